@@ -12,11 +12,9 @@ use super::error::PresetError;
 use super::family::{Kind, Listed};
 use super::files::Files;
 use super::ini::{self, Line, Section};
+use super::superslicer;
 use super::value::texts;
 use crate::limits;
-
-/// A key that only presets of SuperSlicer have.
-const SUPER_KEY: &str = "first_layer_size_compensation";
 
 /// What a complete preset states at least, by kind: one that does needs no parent.
 const TELLING: [(Kind, [&str; 3]); 3] = [
@@ -78,8 +76,7 @@ impl Bundles {
 
     /// Adds the sections of a bundle that are presets.
     pub fn add_sections(&mut self, path: &str, sections: Vec<Section>, dialect: Option<Dialect>) {
-        let is_super = || sections.iter().any(|section| section.value(SUPER_KEY).is_some());
-        let dialect = dialect.unwrap_or_else(|| if is_super() { Dialect::Super } else { Dialect::Prusa });
+        let dialect = dialect.unwrap_or_else(|| Dialect::of_sections(&sections));
         let vendor = sections.iter().find(|section| section.name == "vendor");
         let vendor: Option<Arc<str>> =
             vendor.map(|section| section.value("name").or(section.value("repo_id")).unwrap_or(path).into());
@@ -108,8 +105,7 @@ impl Bundles {
     ) -> Result<(), PresetError> {
         let lines = ini::lines(files, path).map_err(|message| unreadable(path, message))?;
         let sections = ini::sections(&lines);
-        let is_super = || sections.iter().any(|section| section.value(SUPER_KEY).is_some());
-        let dialect = dialect.unwrap_or_else(|| if is_super() { Dialect::Super } else { Dialect::Prusa });
+        let dialect = dialect.unwrap_or_else(|| Dialect::of_sections(&sections));
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let file = self.file(&path.display().to_string());
         let lines = sections.into_iter().filter(|section| section.name.is_empty()).flat_map(|s| s.lines);
@@ -302,6 +298,15 @@ impl Preset {
     fn is_complete(&self) -> bool {
         let telling = TELLING.iter().filter(|(kind, _)| *kind == self.kind).flat_map(|(_, keys)| keys);
         self.vendor.is_none() && telling.into_iter().all(|key| self.lines.iter().any(|line| line.key == *key))
+    }
+}
+
+impl Dialect {
+    /// PrusaSlicer's, or SuperSlicer's where a line is of the kind that only that one writes.
+    fn of_sections(sections: &[Section]) -> Self {
+        let mut lines = sections.iter().flat_map(|section| &section.lines);
+        let is_super = lines.any(|line| superslicer::is_own_line(&line.key, &line.value));
+        if is_super { Self::Super } else { Self::Prusa }
     }
 }
 

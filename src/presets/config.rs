@@ -13,7 +13,7 @@ pub enum Dialect {
     /// PrusaSlicer, and Slic3r before it.
     #[default]
     Prusa,
-    /// SuperSlicer: percentages of widths are of the nozzle, and not of the layer's height.
+    /// SuperSlicer, whose words become PrusaSlicer's.
     Super,
     /// OrcaSlicer, Bambu Studio, Creality Print.
     Orca,
@@ -151,11 +151,6 @@ impl Config {
     /// The points of a list, mm.
     pub fn points(&self, key: &str) -> Option<Vec<[f64; 2]>> {
         self.text(key)?.split(',').map(value::point).collect()
-    }
-
-    /// Whether percentages of widths are of the nozzle, and not of the layer's height.
-    pub fn is_super(&self) -> bool {
-        self.dialect == Dialect::Super
     }
 
     /// A value that is there and not `nil`, as written.

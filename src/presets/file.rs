@@ -9,7 +9,7 @@ use super::family::Kind;
 use super::files::Files;
 use super::ini::{self, Section, assignment};
 use super::keys::key_type;
-use super::project;
+use super::{project, superslicer};
 use crate::gcode::{self, is_gcode};
 
 /// Whether a file of this name is read as a configuration of another slicer: `.ini`, G-code, a project (3MF).
@@ -64,11 +64,8 @@ impl Config {
     /// # Errors
     /// As [`Config::read`].
     pub(super) fn of_lines(file: &str, lines: &[String], dialect: Dialect) -> Result<Self, String> {
-        let mut config = Self::of_sections(file, ini::sections(lines))?;
-        if dialect == Dialect::Super {
-            config.dialect = dialect;
-        }
-        Ok(config)
+        let config = Self::of_sections(file, ini::sections(lines))?;
+        Ok(if dialect == Dialect::Super { config.of_superslicer() } else { config })
     }
 
     fn of_sections(file: &str, sections: Vec<Section>) -> Result<Self, String> {
@@ -107,11 +104,29 @@ impl Config {
     }
 
     /// With the dialect that its keys are of.
-    fn named(mut self) -> Self {
-        if self.entries.contains_key("first_layer_size_compensation") {
-            self.dialect = Dialect::Super;
+    fn named(self) -> Self {
+        let is_super = self.entries.iter().any(|(key, entry)| superslicer::is_own_line(key, &entry.value));
+        if is_super { self.of_superslicer() } else { self }
+    }
+
+    /// Of SuperSlicer, in PrusaSlicer's words.
+    fn of_superslicer(mut self) -> Self {
+        if self.dialect == Dialect::Super {
+            return self;
         }
-        self
+        let written = std::mem::take(&mut self.entries);
+        let mut own = Self { dialect: Dialect::Super, of_object: self.of_object, ..Self::default() };
+        for (key, entry) in written {
+            let value = self.lists.get(&key).map_or(entry.value, |(_, all)| all.clone());
+            let (name, value) = match superslicer::renamed(&key, &value) {
+                Some((name, other)) => (name.to_owned(), other.map_or(value, str::to_owned)),
+                None => (key, value),
+            };
+            let kind = superslicer::find_key(&name).map(|key| key.kind);
+            own.set_both(&name, &value, kind, entry.place);
+        }
+        superslicer::translate(&mut own);
+        own
     }
 }
 
@@ -169,10 +184,7 @@ impl Block {
         if !config.entries.contains_key("layer_height") || !config.entries.contains_key("perimeters") {
             return Err("holds no configuration of PrusaSlicer, SuperSlicer or Slic3r".into());
         }
-        if self.is_super {
-            config.dialect = Dialect::Super;
-        }
-        Ok(config.named())
+        Ok(if self.is_super { config.of_superslicer() } else { config.named() })
     }
 }
 

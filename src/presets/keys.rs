@@ -13,11 +13,11 @@ pub(super) struct Key {
     pub default: &'static str,
 }
 
-const fn one(name: &'static str, scalar: Scalar, default: &'static str) -> Key {
+pub(super) const fn one(name: &'static str, scalar: Scalar, default: &'static str) -> Key {
     Key { name, kind: Type { scalar, shape: Shape::One }, default }
 }
 
-const fn each(name: &'static str, scalar: Scalar, default: &'static str) -> Key {
+pub(super) const fn each(name: &'static str, scalar: Scalar, default: &'static str) -> Key {
     Key { name, kind: Type { scalar, shape: Shape::Each }, default }
 }
 
@@ -25,9 +25,10 @@ const fn list(name: &'static str, scalar: Scalar, default: &'static str) -> Key 
     Key { name, kind: Type { scalar, shape: Shape::List }, default }
 }
 
-/// The key of that name.
+/// The key of that name, PrusaSlicer's or QIDISlicer's.
 pub(super) fn find(name: &str) -> Option<&'static Key> {
-    KEYS.binary_search_by(|key| key.name.cmp(name)).ok().map(|at| &KEYS[at])
+    let prusas = KEYS.binary_search_by(|key| key.name.cmp(name)).ok().map(|at| &KEYS[at]);
+    prusas.or_else(|| QIDI.iter().find(|key| key.name == name))
 }
 
 /// What the value of a key of PrusaSlicer is; `None`: it has no such key.
@@ -65,6 +66,17 @@ pub(super) const RENAMED: &[(&str, &str, &str)] = &[
     ("ensure_vertical_shell_thickness", "1", "enabled"),
     ("gcode_label_objects", "0", "disabled"),
     ("gcode_label_objects", "1", "octoprint"),
+];
+
+/// Keys of QIDISlicer's that scripts of its presets read.
+const QIDI: &[Key] = &[
+    each("advance_pressure", Real, "0.02"),
+    each("box_temperature", Integer, "0"),
+    one("box_temperature_control", Flag, "0"),
+    one("chamber_temperature_control", Flag, "1"),
+    each("enable_advance_pressure", Flag, "0"),
+    one("seal_print", Flag, "1"),
+    each("smooth_time", Real, "0.02"),
 ];
 
 /// In the order of their names.

@@ -20,6 +20,7 @@ mod printers;
 mod project;
 mod prusa;
 mod saved;
+mod superslicer;
 mod value;
 
 pub use config::{Config, Dialect, Entry, Place, Raw};

@@ -10,8 +10,9 @@ use super::error::PresetError;
 use super::family::{Family, Kind, Listed, Source};
 use super::files::Files;
 use super::ini;
-use super::keys::{self, FORGOTTEN, KEYS, RENAMED};
+use super::keys::{self, FORGOTTEN, KEYS, Key, RENAMED};
 use super::names::script_value;
+use super::superslicer;
 use super::value::{Type, for_all, join_texts, texts, unescaped, written_alike};
 
 /// Keys that say how presets belong together, and are no settings.
@@ -84,7 +85,7 @@ impl Prusa {
         let found = self.bundles.values(preset)?;
         let values: BTreeMap<&str, &str> = found.iter().map(|found| (found.key, found.value)).collect();
         let extruders = values.get("nozzle_diameter").map_or(1, |value| extruders(value));
-        Ok(Facts { values, preset: preset.name.clone(), extruders })
+        Ok(Facts { values, dialect: preset.listed.dialect, preset: preset.name.clone(), extruders })
     }
 
     /// Whether a preset is for another, as the list of names in the key `compatible_…` or the condition in
@@ -117,11 +118,13 @@ impl Prusa {
         for preset in presets {
             found.extend(self.bundles.values(preset)?.into_iter().map(|found| (found.key, found)));
         }
+        if config.dialect == Dialect::Super {
+            found = as_called_today(found);
+        }
         let extruders = found.get("nozzle_diameter").map_or(1, |found| extruders(found.value));
-        // What SuperSlicer has built in is not the same.
-        if built_in && config.dialect == Dialect::Prusa {
+        if built_in {
             let built_in = Place::built_in(config.dialect);
-            for key in KEYS.iter().filter(|key| !found.contains_key(key.name)) {
+            for key in all_keys(config.dialect).into_iter().filter(|key| !found.contains_key(key.name)) {
                 let value = for_all(key.kind, key.default, extruders, key.default);
                 if !ASKING.contains(&key.name) {
                     config.set_known(key.name, &value, Some(key.kind), built_in.clone());
@@ -133,7 +136,7 @@ impl Prusa {
             if BELONGING.contains(&key) || (FORGOTTEN.contains(&key) && config.dialect == Dialect::Prusa) {
                 continue;
             }
-            let known = keys::find(key);
+            let known = find_key(config.dialect, key);
             let value = match known {
                 Some(known) => {
                     let renamed = RENAMED.iter().find(|(name, old, _)| *name == key && *old == value);
@@ -147,6 +150,9 @@ impl Prusa {
                 config.set_known(key, &value, kind, place);
             }
             config.set_raw(key, &value, kind);
+        }
+        if config.dialect == Dialect::Super {
+            superslicer::translate(&mut config);
         }
         Ok(config)
     }
@@ -177,6 +183,15 @@ impl Prusa {
 }
 
 impl Config {
+    /// Whether a key of SuperSlicer's own says what is built in there.
+    pub fn is_as_built_in(&self, key: &str) -> bool {
+        let known = superslicer::find_key(key).filter(|_| self.dialect == Dialect::Super);
+        known.is_some_and(|known| {
+            let own = self.text(key).map(|text| written_alike(known.kind, text));
+            own.is_none_or(|own| own == for_all(known.kind, known.default, 1, known.default))
+        })
+    }
+
     /// Adds a value that the slicer's scripts call as PrusaSlicer does.
     pub(super) fn set_both(&mut self, key: &str, value: &str, kind: Option<Type>, place: Place) {
         self.set_known(key, value, kind, place);
@@ -275,6 +290,35 @@ impl Family for Prusa {
     }
 }
 
+/// All keys that a slicer has built in.
+fn all_keys(dialect: Dialect) -> Vec<&'static Key> {
+    match dialect {
+        Dialect::Super => superslicer::all_keys().collect(),
+        _ => KEYS.iter().collect(),
+    }
+}
+
+/// The key of that name, as a slicer has it.
+pub(super) fn find_key(dialect: Dialect, name: &str) -> Option<&'static Key> {
+    match dialect {
+        Dialect::Super => superslicer::find_key(name),
+        _ => keys::find(name),
+    }
+}
+
+/// Values under the names that SuperSlicer has for them today; those that a preset has under both are as the newer one says.
+fn as_called_today<'a>(found: BTreeMap<&'a str, Found<'a>>) -> BTreeMap<&'a str, Found<'a>> {
+    let mut today = BTreeMap::new();
+    let (older, newer): (Vec<_>, Vec<_>) =
+        found.into_iter().partition(|(key, found)| superslicer::renamed(key, found.value).is_some());
+    for (key, found) in older {
+        let Some((name, value)) = superslicer::renamed(key, found.value) else { continue };
+        today.insert(name, Found { key: name, value: value.unwrap_or(found.value), ..found });
+    }
+    today.extend(newer);
+    today
+}
+
 /// How many extruders nozzles are of.
 fn extruders(nozzle_diameter: &str) -> usize {
     nozzle_diameter.split(',').count().min(MOST_EXTRUDERS)
@@ -283,6 +327,7 @@ fn extruders(nozzle_diameter: &str) -> usize {
 /// A preset's values as conditions see them.
 struct Facts<'a> {
     values: BTreeMap<&'a str, &'a str>,
+    dialect: Dialect,
     preset: String,
     extruders: usize,
 }
@@ -294,7 +339,7 @@ impl Names for Facts<'_> {
             "num_extruders" => return i64::try_from(self.extruders).ok().map(Value::Integer),
             _ => {}
         }
-        let known = keys::find(name);
+        let known = find_key(self.dialect, name);
         let written = self.values.get(name).copied().or(known.map(|known| known.default))?;
         let value = known.map_or_else(
             || written.to_owned(),

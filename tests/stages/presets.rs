@@ -298,14 +298,26 @@ fn presets_of_one_vendor_are_not_for_printers_of_another() {
 }
 
 #[test]
-fn a_preset_of_superslicer_keeps_its_keys_and_has_nothing_built_in() {
-    let text = "[vendor]\n[printer:S]\nnozzle_diameter = 0.4\n[print:S]\nfirst_layer_size_compensation = 0.1\n\
-                perimeters = 2\n[filament:S]\ntemperature = 200\n";
+fn a_preset_of_superslicer_says_what_it_says_there_in_prusaslicers_words() {
+    let text = "[vendor]\n[printer:S]\nnozzle_diameter = 0.4\nextruder_temperature_offset = 5\n\
+                start_gcode = M104 S{first_layer_temperature[0]+extruder_temperature_offset[0]}\n\
+                [print:S]\nfirst_layer_size_compensation = -0.1\nperimeters = 2\nperimeter_speed = 60\n\
+                thick_bridges = 0\nmin_fan_speed = 20\n\
+                [filament:S]\ntemperature = 200\nfirst_layer_temperature = 205\n";
     let folder = folder(&[("s.ini", text)]);
-    let config = choose(&open(&[folder.path()]), "S", None, None).unwrap().config;
+    let chosen = choose(&open(&[folder.path()]), "S", None, None).unwrap();
+    let config = &chosen.config;
     assert_eq!(config.dialect, Dialect::Super);
-    assert_eq!(config.number("first_layer_size_compensation"), Some(0.1));
-    assert_eq!(config.text("fill_density"), None);
+    assert_eq!(config.number("temperature"), Some(205.0), "the hot end needs more");
+    assert_eq!(raw(&chosen, "temperature"), "200", "its scripts add that themselves");
+    assert_eq!(config.number("external_perimeter_speed"), Some(30.0), "half as fast where nobody says more");
+    assert_eq!(config.number("fill_density"), None, "a percentage");
+    assert_eq!(config.text("fill_density"), Some("18%"), "and built in there");
+    assert_eq!(config.text("seam_position"), Some("cost"));
+    assert_eq!(config.flag("thick_bridges"), Some(false), "by the key that it had before");
+    let settings = resolve_presets(config, &[], &[]).unwrap().settings;
+    assert_eq!(settings.layer.elephant_foot.0, 0.1);
+    assert_eq!(settings.first_layer.width.0, 0.56, "140 % of the nozzle");
 }
 
 proptest! {

@@ -44,7 +44,11 @@ const FILES: &[(&str, &str)] = &[
     ),
     (
         "extruders/maker_extruder.def.json",
-        r#"{"name": "E", "inherits": "fdmextruder", "overrides": {"material_diameter": {"default_value": 1.75}}}"#,
+        r#"{"name": "E", "inherits": "maker_extruder_base", "overrides": {"material_diameter": {"default_value": 1.75}}}"#,
+    ),
+    (
+        "definitions/maker_extruder_base.def.json",
+        r#"{"name": "E base", "inherits": "fdmextruder", "metadata": {"visible": false}, "overrides": {}}"#,
     ),
     (
         "variants/maker_0.6.inst.cfg",

@@ -126,7 +126,9 @@ impl Cura {
         let trains = machine.about("machine_extruder_trains").and_then(serde_json::Value::as_object);
         let train = trains.and_then(|trains| trains.get("0")).and_then(serde_json::Value::as_str);
         if let Some(extruder) = train.and_then(|id| self.folder.extruder(id)) {
-            for (id, definition) in self.chain(extruder, |id| self.folder.extruder(id))?.iter().rev() {
+            // What extruders inherit from may lie among the machines.
+            let find = |id: &str| self.folder.extruder(id).or_else(|| self.folder.machine(id));
+            for (id, definition) in self.chain(extruder, find)?.iter().rev() {
                 stack.add_definition(&definition.settings, *id != "fdmextruder");
             }
         }

@@ -130,6 +130,8 @@ fn derived(config: &mut Config, values: &Values) {
         ("retract_length", "retraction_length"),
         ("first_layer_height", "initial_layer_print_height"),
         ("max_print_height", "printable_height"),
+        // Bambu Studio's and QIDI Studio's scripts call it so.
+        ("chamber_temperatures", "chamber_temperature"),
     ];
     for (name, of) in copies {
         if let Some(raw) = config.raw.get(of).cloned() {

@@ -34,7 +34,7 @@ fn rounded(value: f64) -> f64 {
     (value * 100.0).round() / 100.0 + 0.0
 }
 
-/// Where nothing may be printed: a rectangle for every four points, or else for every part of the outline that they are; parts
+/// Where nothing may be printed: a rectangle for every four points, or else those within the outline that they are, whose parts
 /// may hang together by lines to and fro.
 pub(super) fn excluded(config: &Config) -> Outcome {
     let Some(points) = points(config, "bed_exclude_area") else { return Outcome::Idle };
@@ -52,12 +52,46 @@ pub(super) fn excluded(config: &Config) -> Outcome {
     let rectangles: Vec<[f64; 4]> = if points.chunks(4).all(is_rectangle) {
         points.chunks(4).map(bounds).collect()
     } else {
-        let outline = points.iter().map(|[x, y]| geometry::Point::from_mm(*x, *y)).collect();
-        let parts = geometry::unite_rings(&[outline]).into_polygons();
-        let corners = |part: &geometry::Polygon| part.outer.iter().map(|p| p.mm()).collect::<Vec<_>>();
-        parts.iter().map(|part| bounds(&corners(part))).collect()
+        rectangles_within(&points)
     };
     Outcome::Value(Value::Array(rectangles.into_iter().flatten().map(Value::Float).collect()))
+}
+
+/// Rectangles, `[left, front, right, back]`, that cover what an outline goes around, however often; where its sides are straight
+/// along X and Y they are exactly that.
+fn rectangles_within(outline: &[Point]) -> Vec<[f64; 4]> {
+    let mut ends: Vec<f64> = outline.iter().map(|p| p[1]).collect();
+    ends.sort_by(f64::total_cmp);
+    ends.dedup_by(|a, b| near(*a, *b));
+    let mut out: Vec<[f64; 4]> = Vec::new();
+    for strip in ends.windows(2) {
+        let (front, back) = (strip[0], strip[1]);
+        let middle = (front + back) / 2.0;
+        // Where sides cross the strip: in its middle, their ends in it, and which way.
+        let mut sides: Vec<(f64, [f64; 2], i32)> = Vec::new();
+        for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+            if (a[1] > middle) == (b[1] > middle) {
+                continue;
+            }
+            let x_at = |y: f64| a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]);
+            sides.push((x_at(middle), [x_at(front), x_at(back)], if b[1] > a[1] { 1 } else { -1 }));
+        }
+        sides.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut around = 0;
+        for pair in sides.windows(2) {
+            around += pair[0].2;
+            let [left, right] = [pair[0].1[0].min(pair[0].1[1]), pair[1].1[0].max(pair[1].1[1])];
+            // Lines to and fro go around nothing.
+            if around == 0 || near(pair[0].0, pair[1].0) {
+                continue;
+            }
+            match out.iter_mut().find(|r| near(r[0], left) && near(r[2], right) && near(r[3], front)) {
+                Some(rectangle) => rectangle[3] = back,
+                None => out.push([left, front, right, back]),
+            }
+        }
+    }
+    out
 }
 
 /// The corners that a key lists.
@@ -222,6 +256,9 @@ mod tests {
         let two =
             "0x0,0x0,0x240,0x245,90x245,90x240,0x240,0x0,0x0,208x240,208x245,245x245,245x240,208x240,0x0";
         assert_eq!(numbers(two), "[0.0, 240.0, 90.0, 245.0, 208.0, 240.0, 245.0, 245.0]");
+        let along_edges =
+            "0x305,0x302,35x302,35x305,305x305,305x305,305x305,305x20,293x20,293x0,305x0,305x20,305x305";
+        assert_eq!(numbers(along_edges), "[293.0, 0.0, 305.0, 20.0, 0.0, 302.0, 35.0, 305.0]");
     }
 
     #[test]

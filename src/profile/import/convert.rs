@@ -173,9 +173,8 @@ pub(super) fn elephant_foot(config: &Config) -> Outcome {
 
 /// Width of a line; `None`: it depends on what is not given.
 fn width_mm(config: &Config, key: &str) -> Option<f64> {
-    let whole = if config.is_super() { nozzle_mm(config) } else { height_mm(config) };
     let of = |key: &str| match config.text(key) {
-        Some(_) => config.number_of(key, whole),
+        Some(_) => config.number_of(key, height_mm(config)),
         None => Some(0.0),
     };
     let own = of(key)?;
@@ -204,8 +203,7 @@ pub(super) fn infill_width(config: &Config) -> Outcome {
 }
 
 pub(super) fn first_width(config: &Config) -> Outcome {
-    let whole = if config.is_super() { nozzle_mm(config) } else { first_height_mm(config) };
-    known(config.number_of("first_layer_extrusion_width", whole))
+    known(config.number_of("first_layer_extrusion_width", first_height_mm(config)))
 }
 
 pub(super) fn generator(config: &Config) -> Outcome {

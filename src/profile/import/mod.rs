@@ -181,7 +181,7 @@ fn checked(row: &Row, value: Value, note: Option<String>) -> Result<(Value, Opti
 /// Why a key without a row is not taken over; `None`: as it stands it asks for nothing.
 fn unknown(key: &str, config: &Config) -> Option<String> {
     let value = config.text(key)?;
-    let is_idle = idle::of(key).any(|idle| idle.holds(value, config));
+    let is_idle = idle::of(key).any(|idle| idle.holds(value, config)) || config.is_as_built_in(key);
     (!is_idle).then(|| idle::reason(key).to_owned())
 }
 

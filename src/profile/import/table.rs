@@ -25,7 +25,8 @@ const fn with(
     Row { ours, theirs, how: How::With(how), rule }
 }
 
-const WIDTH: &str = "0: `extrusion_width`; where that is 0, too, 1.125 nozzles; percentages of the layer's height (SuperSlicer: of the nozzle)";
+const WIDTH: &str =
+    "0: `extrusion_width`; where that is 0, too, 1.125 nozzles; percentages of the layer's height";
 const SPEED: &str = "percentages of the speed it is relative to; 0 (automatic): `max_print_speed`";
 const OFF_THE_LINE: &str = "percentages of the nozzle";
 const ACCELERATION: &str = "0: the default one";
@@ -55,7 +56,7 @@ pub(super) const ROWS: &[Row] = &[
     with(
         "bed.excluded",
         &["bed_exclude_area"],
-        "OrcaSlicer's: the boxes around every four points",
+        "OrcaSlicer's: the boxes around every four points, or those within one outline",
         bed::excluded,
     ),
     with(

@@ -1,0 +1,80 @@
+//! SuperSlicer's presets, which say much in words and percentages of their own, in PrusaSlicer's words.
+
+mod fans;
+mod keys;
+mod lines;
+mod speeds;
+mod variables;
+mod words;
+
+pub(super) use keys::{all as all_keys, find as find_key};
+
+use super::config::{Config, Place};
+use super::keys::key_type;
+
+/// Whether no other slicer writes such a line.
+pub(super) fn is_own_line(key: &str, value: &str) -> bool {
+    const KEYS: [&str; 4] =
+        ["first_layer_size_compensation", "extrusion_spacing", "overhangs_width_speed", NOZZLE_OFFSET];
+    KEYS.contains(&key) || key == "start_gcode" && value.contains(NOZZLE_OFFSET)
+}
+
+const NOZZLE_OFFSET: &str = "extruder_temperature_offset";
+
+/// What an older key is called now, and its value, where that is another, too.
+pub(super) fn renamed(key: &str, value: &str) -> Option<(&'static str, Option<&'static str>)> {
+    let is_on = value == "1";
+    let either = |on: &'static str, off: &'static str| Some(if is_on { on } else { off });
+    Some(match key {
+        "overhangs" => ("overhangs_width_speed", either("50%", "0")),
+        "thick_bridges" => ("bridge_type", either("nozzle", "flow")),
+        "infill_not_connected" => ("infill_connection", either("notconnected", "connected")),
+        "thin_perimeters" if is_on => ("thin_perimeters", Some("100%")),
+        "seam_travel" if is_on => ("seam_travel_cost", Some("200%")),
+        "retract_lift_not_last_layer" => ("retract_lift_top", either("\"Not on top\"", "\"All surfaces\"")),
+        "support_material_contact_distance_top" => ("support_material_contact_distance", None),
+        "support_material_contact_distance_bottom" => ("support_material_bottom_contact_distance", None),
+        "brim_offset" => ("brim_separation", None),
+        "gap_fill" => ("gap_fill_enabled", None),
+        "label_printed_objects" => ("gcode_label_objects", None),
+        "wipe_tower_brim" => ("wipe_tower_brim_width", None),
+        _ => return None,
+    })
+}
+
+/// Puts what a configuration says into PrusaSlicer's words. Its scripts see it as it was written.
+pub(super) fn translate(config: &mut Config) {
+    variables::add(config);
+    lines::translate(config);
+    speeds::translate(config);
+    fans::translate(config);
+    words::translate(config);
+}
+
+impl Config {
+    /// Says a value anew, in place of what a key says; where it is not known, as it was.
+    fn say(&mut self, key: &str, value: Option<f64>, from: &str) {
+        if let (Some(value), Some(place)) = (value, self.place(from)) {
+            self.say_at(key, &written(value), place);
+        }
+    }
+
+    fn say_at(&mut self, key: &str, value: &str, place: Place) {
+        self.set_known(key, value, key_type(key), place);
+    }
+
+    fn place(&self, key: &str) -> Option<Place> {
+        self.entries.get(key).map(|entry| entry.place.clone())
+    }
+
+    /// Takes a key away whose words mean what another now says.
+    fn forget(&mut self, key: &str) {
+        self.entries.remove(key);
+        self.lists.remove(key);
+    }
+}
+
+/// A number to a millionth.
+fn written(value: f64) -> String {
+    ((value * 1e6).round() / 1e6 + 0.0).to_string()
+}
