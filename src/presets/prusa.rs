@@ -299,7 +299,7 @@ fn all_keys(dialect: Dialect) -> Vec<&'static Key> {
 }
 
 /// The key of that name, as a slicer has it.
-pub(super) fn find_key(dialect: Dialect, name: &str) -> Option<&'static Key> {
+fn find_key(dialect: Dialect, name: &str) -> Option<&'static Key> {
     match dialect {
         Dialect::Super => superslicer::find_key(name),
         _ => keys::find(name),

@@ -235,6 +235,34 @@ fn presets_of_a_user_come_first_and_stand_on_the_vendors() {
 }
 
 #[test]
+fn a_printer_that_asks_for_no_filament_gets_its_models_and_none_that_does_not_resolve() {
+    let index = INDEX.replace(
+        "\"filament_list\": [",
+        "\"filament_list\": [{\"name\": \"ABS\", \"sub_path\": \"filament/abs.json\"},
+{\"name\": \"ASA\", \"sub_path\": \"filament/asa.json\"}, ",
+    );
+    let machine = r#"{"name": "M1 0.4", "inherits": "common", "instantiation": "true", "printer_model": "M1", "nozzle_diameter": ["0.4"]}"#;
+    let abs = r#"{"name": "ABS", "inherits": "Shared PLA", "instantiation": "true", "filament_type": ["ABS"], "compatible_printers": ["M1 0.4"]}"#;
+    let asa =
+        r#"{"name": "ASA", "inherits": "gone", "instantiation": "true", "compatible_printers": ["M1 0.4"]}"#;
+    let files = [
+        ("Maker.json", index.as_str()),
+        ("Maker/machine/M1 0.4.json", machine),
+        ("Maker/filament/abs.json", abs),
+        ("Maker/filament/asa.json", asa),
+    ];
+    let taken = |model: &str| {
+        let model = ("Maker/machine/M1.json", model);
+        let folder = presets(&files.into_iter().chain([model]).collect::<Vec<_>>());
+        let chosen = library(folder.path()).choose("M1 0.4", None, None).unwrap_or_else(|e| panic!("{e}"));
+        assert!(!chosen.filaments.contains(&"ASA".to_owned()), "{:?}", chosen.filaments);
+        chosen.filament.name
+    };
+    assert_eq!(taken(r#"{"type": "machine_model", "name": "M1", "default_materials": "ASA;ABS"}"#), "ABS");
+    assert_eq!(taken(r#"{"type": "machine_model", "name": "M1"}"#), "PLA @M1", "the likest");
+}
+
+#[test]
 fn a_missing_parent_a_circle_and_damage_are_told_with_their_place() {
     let machine = "Maker/machine/M1 0.4.json";
     let gone =

@@ -7,6 +7,7 @@ mod definition;
 mod folder;
 mod formula;
 mod instance;
+mod script;
 mod stack;
 mod table;
 
@@ -442,8 +443,9 @@ impl Family for Cura {
         }
         let text = Type { scalar: Scalar::Text, shape: Shape::One };
         let number = Type { scalar: Scalar::Integer, shape: Shape::One };
-        config.set_raw("initial_extruder_nr", "0", Some(number));
-        config.set_raw("extruder_nr", "0", Some(number));
+        for name in table::OF_EXTRUDERS {
+            config.set_raw(name, "0", Some(number));
+        }
         for (key, name) in [("printer_settings_id", printer), ("print_settings_id", print)] {
             config.set(key, &escaped(name), Place::new(machine.machine.file.clone(), 1, printer));
             config.set_raw(key, &escaped(name), Some(text));

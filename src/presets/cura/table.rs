@@ -1,6 +1,7 @@
 //! What Cura's settings say in PrusaSlicer's words: the one place that says so.
 
 use super::formula::Value;
+use super::script;
 use super::stack::Stack;
 use crate::presets::value::escaped;
 
@@ -72,7 +73,7 @@ pub(super) const TABLE: &[(&str, &str, Rule)] = &[
         By(|s| flow_ratio(s, "support_interface_material_flow")),
     ),
     ("material_print_temperature", "temperature", Same),
-    ("material_print_temperature_layer_0", "first_layer_temperature", Same),
+    ("material_print_temperature_layer_0", "first_layer_temperature", By(first_temperature)),
     ("material_bed_temperature", "bed_temperature", By(|s| bed_temperature(s, "material_bed_temperature"))),
     (
         "material_bed_temperature_layer_0",
@@ -255,6 +256,12 @@ fn acceleration(stack: &Stack, key: &str) -> Option<String> {
     when(stack, "acceleration_enabled", key)
 }
 
+/// 0: as on other layers.
+fn first_temperature(stack: &Stack) -> Option<String> {
+    let own = stack.number("material_print_temperature_layer_0").filter(|own| *own > 0.0);
+    own.or_else(|| stack.number("material_print_temperature")).map(written)
+}
+
 fn first_width(stack: &Stack) -> Option<String> {
     let factor = stack.number("initial_layer_line_width_factor")?;
     stack.number("line_width").map(|width| written(width * factor / 100.0))
@@ -274,13 +281,19 @@ fn fan_off_layers(stack: &Stack) -> Option<String> {
     Some(if is_off { "1".into() } else { "0".into() })
 }
 
+/// Names of scripts that are no settings.
+pub(super) const OF_EXTRUDERS: [&str; 2] = ["initial_extruder_nr", "extruder_nr"];
+
 /// What a row of the table says.
 pub(super) fn said(rule: &Rule, key: &str, stack: &Stack) -> Option<String> {
     Some(match rule {
         Same => written(stack.number(key)?),
         Flag => word(stack, key, "1", "0"),
         Share => written(stack.number(key)?) + "%",
-        Script => escaped(&stack.text(key)),
+        Script => {
+            let is_known = |name: &str| stack.place(name).is_some() || OF_EXTRUDERS.contains(&name);
+            escaped(&script::translated(&stack.text(key), is_known))
+        }
         Words(words) => {
             let theirs = stack.text(key);
             words.iter().find(|(word, _)| *word == theirs).map_or(theirs, |(_, word)| (*word).to_owned())

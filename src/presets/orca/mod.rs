@@ -22,6 +22,7 @@ use super::family::{Family, Kind, Listed, Source};
 use super::files::Files;
 use super::value::{Scalar, Shape, Type};
 use folder::{Folder, Preset};
+use json::Written;
 use values::Values;
 
 /// Presets inherit from each other no deeper than this.
@@ -138,13 +139,7 @@ impl Orca {
         for _ in 0..=DEEPEST {
             let Some(found) = next else { break };
             if let Some(written) = found.preset.file()?.get(key) {
-                let split = |text: &String| text.split(';').map(str::to_owned).collect::<Vec<_>>();
-                let names = match written.is_list {
-                    true => written.values.clone(),
-                    false => written.values.iter().flat_map(split).collect(),
-                };
-                let names = names.iter().map(|name| name.trim().to_owned());
-                return Ok(names.filter(|name| !name.is_empty()).collect());
+                return Ok(split(written));
             }
             next = self.above(kind, found)?;
         }
@@ -185,14 +180,29 @@ impl Orca {
 /// What the model of a machine says of it: the plate it comes with.
 fn model(chain: &[Found<'_>], values: &mut Values) {
     const KEY: &str = "default_bed_type";
-    let name = chain.iter().find_map(|found| Some(found.preset.file().ok()?.get("printer_model")?.first()));
-    let model = name.and_then(|name| chain.iter().find_map(|found| found.folder.model(name)));
-    let Some(model) = model else { return };
+    let Some(model) = model_of(chain) else { return };
     if let Ok(file) = model.file()
         && let Some(written) = file.get(KEY)
     {
         values.set(KEY, written.clone(), Place::new(file.path.clone(), written.line, model.name.as_str()));
     }
+}
+
+/// The names in a value: in a list, or with `;` between them.
+fn split(written: &Written) -> Vec<String> {
+    let split = |text: &String| text.split(';').map(str::to_owned).collect::<Vec<_>>();
+    let names = match written.is_list {
+        true => written.values.clone(),
+        false => written.values.iter().flat_map(split).collect(),
+    };
+    names.iter().map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect()
+}
+
+/// The model of a machine.
+fn model_of<'a>(chain: &[Found<'a>]) -> Option<&'a Preset> {
+    let name =
+        chain.iter().find_map(|found| Some(found.preset.file().ok()?.get("printer_model")?.first()))?;
+    chain.iter().find_map(|found| found.folder.model(name))
 }
 
 fn set_text(config: &mut Config, name: &str, text: &str) {
@@ -274,7 +284,8 @@ impl Family for Orca {
                 }
                 _ => Ok(true),
             };
-            if fits.unwrap_or(false) && with_print.unwrap_or(false) {
+            let resolves = || self.chain(kind, found).is_ok();
+            if fits.unwrap_or(false) && with_print.unwrap_or(false) && resolves() {
                 fitting.push(found);
             }
         }
@@ -297,7 +308,37 @@ impl Family for Orca {
             Kind::Print => "default_print_profile",
             Kind::Filament => "default_filament_profile",
         };
-        self.inherited(Kind::Printer, self.find(Kind::Printer, printer)?, key)
+        let printer = self.find(Kind::Printer, printer)?;
+        let mut names = self.inherited(Kind::Printer, printer, key)?;
+        // Its model may name materials, too.
+        let chain = self.chain(Kind::Printer, printer)?;
+        let model = model_of(&chain).filter(|_| kind == Kind::Filament).and_then(|model| model.file().ok());
+        if let Some(materials) = model.and_then(|file| file.get("default_materials")) {
+            names.extend(split(materials));
+        }
+        Ok(names)
+    }
+
+    /// Layers half as high as the nozzle is wide; PLA.
+    fn unlike(&self, kind: Kind, printer: &str, name: &str) -> u64 {
+        let (Ok(printer), Ok(found)) = (self.find(Kind::Printer, printer), self.find(kind, name)) else {
+            return 0;
+        };
+        let first = |kind: Kind, found: Found<'_>, key: &str| {
+            self.inherited(kind, found, key).ok().and_then(|all| all.into_iter().next())
+        };
+        let number = |kind: Kind, found: Found<'_>, key: &str| first(kind, found, key)?.parse::<f64>().ok();
+        match kind {
+            Kind::Printer => 0,
+            Kind::Print => {
+                let wanted_mm = number(Kind::Printer, printer, "nozzle_diameter").unwrap_or(0.4) / 2.0;
+                let height_mm = number(kind, found, "layer_height").unwrap_or(0.2);
+                (1000.0 * (height_mm - wanted_mm).abs()).round() as u64
+            }
+            Kind::Filament => {
+                u64::from(first(kind, found, "filament_type").is_some_and(|material| material != "PLA"))
+            }
+        }
     }
 
     fn resolve(&self, printer: &str, print: &str, filament: &str) -> Result<Config, PresetError> {

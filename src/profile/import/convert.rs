@@ -203,7 +203,14 @@ pub(super) fn infill_width(config: &Config) -> Outcome {
 }
 
 pub(super) fn first_width(config: &Config) -> Outcome {
-    known(config.number_of("first_layer_extrusion_width", first_height_mm(config)))
+    let height_mm = first_height_mm(config);
+    let width_mm = config.number_of("first_layer_extrusion_width", height_mm);
+    match (width_mm, height_mm) {
+        (Some(width), Some(height)) if width > 0.0 && width < height => {
+            Near(Value::Float(height), "lines are as wide as their layer is high, at least".into())
+        }
+        _ => known(width_mm),
+    }
 }
 
 pub(super) fn generator(config: &Config) -> Outcome {

@@ -18,7 +18,8 @@ const HEAD: &str = "# Configurations of other slicers\n\n\
     counted on standard error (not with `--quiet`) and listed by `profiles show`; the same holds for what means\n\
     something a little different here. Keys that ask for nothing (a wipe tower that is off, notes) are only counted there. A value\n\
     with one entry for each extruder is taken of the first one; where the printer has several, each is one of `[[tools]]`. Of a bundle of presets the active ones hold\n\
-    (`[presets]`), or the only one of each kind, with what they inherit inside of the file.\n\n\
+    (`[presets]`), or the only one of each kind, with what they inherit inside of the file. What is relative to something else in\n\
+    SuperSlicer, speeds and accelerations to each other and widths to the nozzle, is worked out first.\n\n\
     G-code scripts are taken over as they are written: scripts here speak the same language, and every key of the file is\n\
     a name in it. A name that neither the file nor [we](settings.md#placeholders-in-scripts) know is an error (exit code 4);\n\
     with `--ignore-scripts` such a script is left out, with a warning. A file without a script, but with an empty one,\n\
