@@ -56,45 +56,42 @@ impl Side {
 }
 
 /// Calls `visit` once for every edge with its sides, ascending by half-edge.
-pub(super) fn for_each_edge(triangles: &[[u32; 3]], vertex_count: usize, visit: impl FnMut(&[Side])) {
-    for_each_edge_from(triangles, 0..vertex_count as u32, visit);
-}
-
-/// As `for_each_edge`, for the edges whose smaller vertex lies in a range.
 ///
 /// Counting sort by the smaller vertex, then a sort of each short bucket. O(triangles) for bounded vertex degree.
-fn for_each_edge_from(triangles: &[[u32; 3]], vertices: Range<u32>, mut visit: impl FnMut(&[Side])) {
-    let count = vertices.len();
-    let bucket_of = |from: u32, to: u32| {
-        let bucket = from.min(to).wrapping_sub(vertices.start) as usize;
-        (bucket < count).then_some(bucket)
-    };
-    let mut start = vec![0u32; count + 2];
-    for &[a, b, c] in triangles {
-        for bucket in [bucket_of(a, b), bucket_of(b, c), bucket_of(c, a)].into_iter().flatten() {
-            start[bucket + 2] += 1;
-        }
-    }
-    for v in 2..start.len() {
-        start[v] += start[v - 1];
-    }
-    // `start[bucket + 1]` is the bucket's next free index while filling, and its end when filled.
-    let mut sorted = vec![Side::default(); start[count + 1] as usize];
-    let mut half = 0;
-    for &[a, b, c] in triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            if let Some(bucket) = bucket_of(from, to) {
-                let next = &mut start[bucket + 1];
-                sorted[*next as usize] = Side::new(from, to, half);
-                *next += 1;
-            }
-            half += 1;
-        }
-    }
-    for bucket in start.windows(2).take(count) {
+pub(super) fn for_each_edge(triangles: &[[u32; 3]], vertex_count: usize, mut visit: impl FnMut(&[Side])) {
+    let mut start = vec![0u32; vertex_count + 2];
+    for_each_half(triangles, |from, to, _| start[from.min(to) as usize + 2] += 1);
+    add_up(&mut start);
+    // `start[vertex + 1]` is the bucket's next free index while filling, and its end when filled.
+    let mut sorted = vec![Side::default(); start[vertex_count + 1] as usize];
+    for_each_half(triangles, |from, to, half| {
+        let next = &mut start[from.min(to) as usize + 1];
+        sorted[*next as usize] = Side::new(from, to, half);
+        *next += 1;
+    });
+    for bucket in start.windows(2).take(vertex_count) {
         let bucket = &mut sorted[bucket[0] as usize..bucket[1] as usize];
         sort_bucket(bucket);
         bucket.chunk_by(|a, b| a.greater_vertex() == b.greater_vertex()).for_each(&mut visit);
+    }
+}
+
+/// Calls `visit` with the two ends of every half-edge, and its number.
+#[inline(always)]
+fn for_each_half(triangles: &[[u32; 3]], mut visit: impl FnMut(u32, u32, u32)) {
+    let mut half = 0;
+    for &[a, b, c] in triangles {
+        visit(a, b, half);
+        visit(b, c, half + 1);
+        visit(c, a, half + 2);
+        half += 3;
+    }
+}
+
+/// Makes each count the sum of those up to it.
+fn add_up(counts: &mut [u32]) {
+    for i in 1..counts.len() {
+        counts[i] += counts[i - 1];
     }
 }
 
@@ -121,54 +118,205 @@ fn sort_bucket(bucket: &mut [Side]) {
 pub(super) struct Edges {
     /// For each half-edge the opposite one in the neighbouring facet, or `NO_TWIN`.
     pub twins: Vec<u32>,
+    /// How well they match.
+    pub matches: Matches,
+}
+
+/// How well the facets at edges match.
+#[derive(Debug, Default)]
+pub(super) struct Matches {
     /// Edges with one facet.
     pub open: usize,
     /// Edges with more than two facets.
     pub non_manifold: usize,
     /// Edges whose two facets run along it in the same direction.
     pub clashing: usize,
+    /// The facets at edges of the last two kinds, and perhaps others; some several times.
+    pub crowded: Vec<u32>,
 }
 
 impl Edges {
     /// Pairs forward half-edges with backward ones; where more than two facets meet, in the order of facets.
     pub fn new(triangles: &[[u32; 3]], vertex_count: usize) -> Self {
         let twins: Vec<AtomicU32> = (0..triangles.len() * 3).map(|_| AtomicU32::new(NO_TWIN)).collect();
-        let match_from = |vertices| Self::match_from(triangles, vertices, &twins);
+        let match_from = |vertices| Matches::of_vertices(triangles, vertices, &twins);
         let count = vertex_count as u32;
         // Every edge belongs to one range, so the two never write to the same element.
-        let [a, b] = if triangles.len() < PARALLEL || parallel::threads() == 1 {
-            [match_from(0..count), Self::default()]
+        let matches = if triangles.len() < PARALLEL || parallel::threads() == 1 {
+            match_from(0..count)
         } else {
-            parallel::join(|| match_from(0..count / 2), || match_from(count / 2..count)).into()
+            let (mut a, b) = parallel::join(|| match_from(0..count / 2), || match_from(count / 2..count));
+            a.add(b);
+            a
         };
-        Self {
-            twins: twins.into_iter().map(AtomicU32::into_inner).collect(),
-            open: a.open + b.open,
-            non_manifold: a.non_manifold + b.non_manifold,
-            clashing: a.clashing + b.clashing,
-        }
+        Self { twins: twins.into_iter().map(AtomicU32::into_inner).collect(), matches }
     }
 
-    fn match_from(triangles: &[[u32; 3]], vertices: Range<u32>, twins: &[AtomicU32]) -> Self {
-        let mut edges = Self::default();
-        let pair = |a: Side, b: Side| {
-            twins[a.half() as usize].store(b.half(), Relaxed);
-            twins[b.half() as usize].store(a.half(), Relaxed);
-        };
-        for_each_edge_from(triangles, vertices, |sides| match *sides {
-            [a, b] if a.is_backward() != b.is_backward() => pair(a, b),
-            [_] => edges.open += 1,
-            [_, _] => edges.clashing += 1,
-            _ => {
-                edges.non_manifold += 1;
-                let forward = sides.iter().filter(|side| !side.is_backward());
-                let backward = sides.iter().filter(|side| side.is_backward());
-                forward.zip(backward).for_each(|(&a, &b)| pair(a, b));
+    /// The edges after some facets went, corners of others got other vertices, and new ones came: `now` has those of
+    /// `before` that stay, and then the new ones. Only edges near what changed are matched.
+    pub fn after(&self, before: &[[u32; 3]], stays: &[bool], now: &[[u32; 3]], vertex_count: usize) -> Self {
+        let mut changed = vec![false; vertex_count];
+        let mut mark = |facet: [u32; 3]| facet.into_iter().for_each(|v| changed[v as usize] = true);
+        // How many half-edges went before each facet's.
+        let mut gone = Vec::with_capacity(before.len());
+        let mut next = 0;
+        for (t, (&facet, &stays)) in before.iter().zip(stays).enumerate() {
+            gone.push(3 * (t - next) as u32);
+            if !stays {
+                mark(facet);
+                continue;
             }
-        });
-        edges
+            if now[next] != facet {
+                mark(facet);
+                mark(now[next]);
+            }
+            next += 1;
+        }
+        now[next..].iter().for_each(|&facet| mark(facet));
+
+        let moved = |&twin: &u32| match twin {
+            NO_TWIN => NO_TWIN,
+            // Of facets that went only edges that are matched again know.
+            twin => twin.wrapping_sub(gone[twin as usize / 3]),
+        };
+        let kept = self.twins.as_chunks::<3>().0.iter().zip(stays).filter(|(_, stays)| **stays);
+        let mut twins: Vec<u32> = kept.flat_map(|(twins, _)| twins.iter().map(moved)).collect();
+        twins.resize(3 * now.len(), NO_TWIN);
+        let left = Matches::among(before, |v| changed[v as usize], |_, _| {});
+        let crowded = self.matches.crowded.iter().filter(|&&t| stays[t as usize]);
+        let mut matches = Matches {
+            open: self.matches.open - left.open,
+            non_manifold: self.matches.non_manifold - left.non_manifold,
+            clashing: self.matches.clashing - left.clashing,
+            crowded: crowded.map(|&t| t - gone[t as usize] / 3).collect(),
+        };
+        matches.add(Matches::among(now, |v| changed[v as usize], |half, twin| twins[half as usize] = twin));
+        Self { twins, matches }
     }
 }
+
+impl Matches {
+    /// Whether all edges have two facets that agree.
+    pub fn are_perfect(&self) -> bool {
+        self.open + self.clashing + self.non_manifold == 0
+    }
+
+    fn add(&mut self, other: Self) {
+        self.open += other.open;
+        self.non_manifold += other.non_manifold;
+        self.clashing += other.clashing;
+        self.crowded.extend(other.crowded);
+    }
+
+    /// Matches the edges whose smaller vertex lies in a range.
+    ///
+    /// Forward half-edges by counting sort, backward ones looked up among them. Vertices with an edge that has not one of
+    /// each are left to [`Self::among`]. O(triangles) for bounded vertex degree.
+    fn of_vertices(triangles: &[[u32; 3]], vertices: Range<u32>, twins: &[AtomicU32]) -> Self {
+        let count = vertices.len();
+        let bucket_of = |vertex: u32| {
+            let bucket = vertex.wrapping_sub(vertices.start) as usize;
+            (bucket < count).then_some(bucket)
+        };
+        let mut start = vec![0u32; count + 2];
+        for_each_half(triangles, |from, to, _| {
+            if from < to
+                && let Some(bucket) = bucket_of(from)
+            {
+                start[bucket + 2] += 1;
+            }
+        });
+        add_up(&mut start);
+        // `start[bucket + 1]` is the bucket's next free index while filling, and its end when filled.
+        let mut forward = vec![(0, 0); start[count + 1] as usize];
+        for_each_half(triangles, |from, to, half| {
+            if from < to
+                && let Some(bucket) = bucket_of(from)
+            {
+                let next = &mut start[bucket + 1];
+                forward[*next as usize] = (to, half);
+                *next += 1;
+            }
+        });
+        let repeats = |sides: &[(u32, u32)]| {
+            (1..sides.len()).any(|i| sides[..i].iter().any(|&(to, _)| to == sides[i].0))
+        };
+        let mut doubtful: Vec<bool> = start
+            .windows(2)
+            .take(count)
+            .map(|bucket| {
+                let sides = &forward[bucket[0] as usize..bucket[1] as usize];
+                sides.len() > FEW || repeats(sides)
+            })
+            .collect();
+        let mut paired = 0;
+        for_each_half(triangles, |from, to, half| {
+            if from < to {
+                return;
+            }
+            let Some(bucket) = bucket_of(to) else { return };
+            let sides = &forward[start[bucket] as usize..start[bucket + 1] as usize];
+            let other = sides.iter().take(FEW).find(|side| side.0 == from).map(|side| side.1);
+            match other.filter(|&other| twins[other as usize].load(Relaxed) == NO_TWIN) {
+                Some(other) => {
+                    twins[half as usize].store(other, Relaxed);
+                    twins[other as usize].store(half, Relaxed);
+                    paired += 1;
+                }
+                None => doubtful[bucket] = true,
+            }
+        });
+        if paired < forward.len() {
+            for (bucket, doubtful) in start.windows(2).zip(&mut doubtful) {
+                let mut sides = forward[bucket[0] as usize..bucket[1] as usize].iter();
+                *doubtful |= sides.any(|side| twins[side.1 as usize].load(Relaxed) == NO_TWIN);
+            }
+        }
+        if !doubtful.contains(&true) {
+            return Self::default();
+        }
+        let is_doubtful = |vertex| bucket_of(vertex).is_some_and(|bucket| doubtful[bucket]);
+        Self::among(triangles, is_doubtful, |half, twin| twins[half as usize].store(twin, Relaxed))
+    }
+
+    /// Matches the edges whose smaller vertex is wanted: `set` gets their half-edges, each with its twin or `NO_TWIN`.
+    fn among(triangles: &[[u32; 3]], wanted: impl Fn(u32) -> bool, mut set: impl FnMut(u32, u32)) -> Self {
+        let mut sides: Vec<(u32, Side)> = Vec::new();
+        for_each_half(triangles, |from, to, half| {
+            let smaller = from.min(to);
+            if wanted(smaller) {
+                sides.push((smaller, Side::new(from, to, half)));
+            }
+        });
+        sides.sort_unstable();
+        let mut matches = Self::default();
+        let edge = |&(smaller, side): &(u32, Side)| (smaller, side.greater_vertex());
+        for sides in sides.chunk_by(|a, b| edge(a) == edge(b)) {
+            let of = |backward| {
+                let sides = sides.iter().filter(move |(_, side)| side.is_backward() == backward);
+                sides.map(|(_, side)| side.half())
+            };
+            sides.iter().for_each(|(_, side)| set(side.half(), NO_TWIN));
+            of(false).zip(of(true)).for_each(|(a, b)| {
+                set(a, b);
+                set(b, a);
+            });
+            match sides {
+                [_] => matches.open += 1,
+                [(_, a), (_, b)] if a.is_backward() != b.is_backward() => continue,
+                [_, _] => matches.clashing += 1,
+                _ => matches.non_manifold += 1,
+            }
+            if sides.len() > 1 {
+                matches.crowded.extend(sides.iter().map(|(_, side)| side.triangle()));
+            }
+        }
+        matches
+    }
+}
+
+/// Half-edges at a vertex that are looked through one by one.
+const FEW: usize = 32;
 
 /// The two ends of every half-edge without a partner.
 pub(super) fn open_halves<'a>(
@@ -187,14 +335,17 @@ mod tests {
         let count = 100;
         let fan: Vec<[u32; 3]> = (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
         let edges = Edges::new(&fan, count as usize + 1);
-        assert_eq!((edges.open, edges.non_manifold, edges.clashing), (count as usize, 0, 0));
+        assert_eq!(
+            (edges.matches.open, edges.matches.non_manifold, edges.matches.clashing),
+            (count as usize, 0, 0)
+        );
         assert!((0..count).all(|i| edges.twins[3 * i as usize + 2] == 3 * ((i + 1) % count)));
     }
 
     #[test]
     fn three_facets_at_an_edge_pair_two_of_them() {
         let edges = Edges::new(&[[0, 1, 2], [1, 0, 3], [0, 1, 4]], 5);
-        assert_eq!((edges.open, edges.non_manifold), (6, 1));
+        assert_eq!((edges.matches.open, edges.matches.non_manifold), (6, 1));
         assert_eq!((edges.twins[0], edges.twins[3], edges.twins[6]), (3, 0, NO_TWIN));
     }
 
@@ -212,7 +363,7 @@ mod tests {
         assert!(torus.len() > PARALLEL);
         let vertices = side * side;
         let whole: Vec<AtomicU32> = (0..torus.len() * 3).map(|_| AtomicU32::new(NO_TWIN)).collect();
-        Edges::match_from(&torus, 0..vertices, &whole);
+        Matches::of_vertices(&torus, 0..vertices, &whole);
         let whole: Vec<u32> = whole.into_iter().map(AtomicU32::into_inner).collect();
         assert_eq!(Edges::new(&torus, vertices as usize).twins, whole);
     }

@@ -43,7 +43,7 @@ impl Mesh {
             vertices,
             triangles: triangles.into(),
             twins: edges.twins.into(),
-            oriented: edges.clashing == 0,
+            oriented: edges.matches.clashing == 0,
             paint: Paint::default(),
             modifiers: Vec::new(),
         }

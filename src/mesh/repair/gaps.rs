@@ -28,7 +28,7 @@ pub(super) struct Closed {
 
 /// Merges vertices of open edges that lie within the tolerance of each other, or `None` where that closes nothing.
 ///
-/// The smallest tolerance that leaves the fewest open edges wins. O(open edges), and one edge matching.
+/// The smallest tolerance that leaves the fewest open edges wins. O(triangles).
 pub(super) fn close(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edges: &Edges) -> Option<Closed> {
     let open: Vec<(u32, u32)> = open_halves(triangles, &edges.twins).collect();
     let mut rim: Vec<u32> = open.iter().flat_map(|&(a, b)| [a, b]).collect();
@@ -57,8 +57,14 @@ pub(super) fn close(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edges: &Edges
         stays.push(stands);
         kept.extend(stands.then_some([a, b, c]));
     }
-    let matched = Edges::new(&kept, vertices.len());
-    (matched.open < edges.open).then_some(Closed { triangles: kept, edges: matched, welded, moved_mm, stays })
+    let matched = edges.after(triangles, &stays, &kept, vertices.len());
+    (matched.matches.open < edges.matches.open).then_some(Closed {
+        triangles: kept,
+        edges: matched,
+        welded,
+        moved_mm,
+        stays,
+    })
 }
 
 /// Edges that have one facet still, after merging.

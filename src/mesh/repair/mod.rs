@@ -67,7 +67,7 @@ pub(super) fn repair(soup: Soup, workers: Workers<'_>) -> Repaired {
     let mut edges = Edges::new(&triangles, vertices.len());
     settle(&vertices, &mut triangles, &mut free, &mut edges, &mut repairs);
     workers.go_on();
-    if edges.open > 0
+    if edges.matches.open > 0
         && let Some(closed) = gaps::close(&vertices, &triangles, &edges)
     {
         repairs.welded = closed.welded;
@@ -83,7 +83,7 @@ pub(super) fn repair(soup: Soup, workers: Workers<'_>) -> Repaired {
         settle(&vertices, &mut triangles, &mut free, &mut edges, &mut repairs);
     }
     workers.go_on();
-    if edges.non_manifold > 0 {
+    if edges.matches.non_manifold > 0 {
         repairs.sheets = sheets::drop_sheets(&vertices, &mut triangles, &mut free);
         if repairs.sheets > 0 {
             edges = Edges::new(&triangles, vertices.len());
@@ -91,14 +91,14 @@ pub(super) fn repair(soup: Soup, workers: Workers<'_>) -> Repaired {
     }
     workers.go_on();
     let mut doubtful = Vec::new();
-    if edges.clashing > 0 {
+    if edges.matches.clashing > 0 {
         let agreed = agree::agree(&vertices, &mut triangles, &edges.twins, &free);
         repairs.flipped = agreed.turned;
         doubtful = agreed.doubtful;
         edges = Edges::new(&triangles, vertices.len());
     }
     workers.go_on();
-    if edges.non_manifold > 0 {
+    if edges.matches.non_manifold > 0 {
         let turned = walls::turn_patches(&vertices, &mut triangles);
         repairs.flipped += turned;
         if turned > 0 {
@@ -106,7 +106,7 @@ pub(super) fn repair(soup: Soup, workers: Workers<'_>) -> Repaired {
         }
     }
     workers.go_on();
-    if edges.open + edges.clashing + edges.non_manifold > 0 {
+    if !edges.matches.are_perfect() {
         let filled = holes::fill(&vertices, &triangles, &edges);
         if filled.holes > 0 {
             repairs.filled = filled.holes;
@@ -120,7 +120,7 @@ pub(super) fn repair(soup: Soup, workers: Workers<'_>) -> Repaired {
     }
     workers.go_on();
     let (shell_of, shells) = shells(&triangles, vertices.len(), &edges);
-    let (body_of, bodies) = match edges.non_manifold {
+    let (body_of, bodies) = match edges.matches.non_manifold {
         0 => (shell_of, shells),
         _ => bodies(&triangles, vertices.len()),
     };
@@ -130,11 +130,11 @@ pub(super) fn repair(soup: Soup, workers: Workers<'_>) -> Repaired {
         outside::turn_outwards(&vertices, &mut triangles, &mut edges.twins, &body_of, bodies, &doubtful);
     repairs.flipped += outcome.turned;
     doubts.extend(outcome.doubts);
-    if outcome.turned > 0 && edges.non_manifold > 0 {
+    if outcome.turned > 0 && edges.matches.non_manifold > 0 {
         // Bodies that meet at an edge may have turned apart.
         edges = Edges::new(&triangles, vertices.len());
     }
-    if doubts::is_broken(&edges.twins, edges.clashing) {
+    if doubts::is_broken(&edges.twins, edges.matches.clashing) {
         let cause = "edges stay open, or their facets disagree on the outside";
         let along_lines = doubts::along_lines(&vertices, &triangles, cause);
         doubts.extend(along_lines.or_else(|| doubts::between_axes(&vertices, &triangles, cause)));
@@ -142,9 +142,9 @@ pub(super) fn repair(soup: Soup, workers: Workers<'_>) -> Repaired {
     Repaired {
         repairs: Repairs {
             degenerate,
-            open: edges.open,
-            non_manifold: edges.non_manifold,
-            clashing: edges.clashing,
+            open: edges.matches.open,
+            non_manifold: edges.matches.non_manifold,
+            clashing: edges.matches.clashing,
             shells,
             volume_mm3: outcome.volume_mm3,
             area_mm2: outcome.area_mm2,
@@ -167,13 +167,14 @@ fn settle(
     repairs: &mut Repairs,
 ) {
     // Two facets back to back that nothing else touches match each other.
-    if edges.clashing + edges.non_manifold > 0 {
-        let pairs::Settled { duplicates, cancelled } = pairs::settle(vertices, triangles, free);
-        repairs.duplicates += duplicates;
-        repairs.cancelled += cancelled;
-        if duplicates + cancelled > 0 {
-            *edges = Edges::new(triangles, vertices.len());
-        }
+    if edges.matches.clashing + edges.matches.non_manifold > 0 {
+        let Some(settled) = pairs::settle(vertices, triangles, edges) else { return };
+        repairs.duplicates += settled.duplicates;
+        repairs.cancelled += settled.cancelled;
+        keep(free, &settled.alone);
+        free.extend(settled.added_free);
+        *edges = edges.after(triangles, &settled.alone, &settled.triangles, vertices.len());
+        *triangles = settled.triangles;
     }
 }
 
@@ -206,7 +207,7 @@ fn shells(triangles: &[[u32; 3]], vertex_count: usize, edges: &Edges) -> (Vec<u3
             parts.join(half as u32 / 3, twin / 3);
         }
     }
-    if edges.non_manifold + edges.clashing > 0 {
+    if edges.matches.non_manifold + edges.matches.clashing > 0 {
         for_each_edge(triangles, vertex_count, |sides| {
             for pair in sides.windows(2) {
                 parts.join(pair[0].triangle(), pair[1].triangle());

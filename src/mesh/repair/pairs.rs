@@ -4,13 +4,18 @@
 //! connected groups of them are in or out as a whole, and the edges around a group vote. What nothing needs is
 //! a wall between bodies that touch, or a fin without thickness.
 
-use crate::mesh::edges::for_each_edge;
+use crate::mesh::edges::{Edges, NO_TWIN, for_each_edge};
 use crate::mesh::measure::{area_mm2, keep, length_mm};
 use geometry::DisjointSets;
 
-/// Counts of the facets left out.
-#[derive(Default)]
+/// What is left.
 pub(super) struct Settled {
+    /// Those that stood alone, and then others of which one stays.
+    pub triangles: Vec<[u32; 3]>,
+    /// Which facets stood alone.
+    pub alone: Vec<bool>,
+    /// Whether the winding of those that follow them says nothing.
+    pub added_free: Vec<bool>,
     /// Facets that repeated one that stays.
     pub duplicates: usize,
     /// Pairs of facets of which none stays.
@@ -52,47 +57,54 @@ struct Votes {
     balanced_mm2: f64,
 }
 
-/// Drops repeated facets as the rest needs it, and marks as free those that stood there in both windings: their winding
-/// says nothing. O(n log n), and little where none repeats another.
-pub(super) fn settle(vertices: &[[f32; 3]], triangles: &mut Vec<[u32; 3]>, free: &mut Vec<bool>) -> Settled {
-    let (alone, sets) = equal_facets(triangles);
-    let mut settled = Settled::default();
+/// Drops repeated facets as the rest needs it; `None` where none repeats another. Those that stood there in both windings
+/// are free: their winding says nothing. O(n), and O(n log n) for facets at edges that are not just between two.
+pub(super) fn settle(vertices: &[[f32; 3]], triangles: &[[u32; 3]], edges: &Edges) -> Option<Settled> {
+    let (alone, sets) = equal_facets(triangles, candidates(edges));
     if sets.is_empty() {
-        return settled;
+        return None;
     }
-    let mut fixed = triangles.clone();
-    keep(&mut fixed, &alone);
-    let stays = Groups::new(vertices, &fixed, &sets).settle();
+    let mut triangles = triangles.to_vec();
+    keep(&mut triangles, &alone);
+    let stays = Groups::new(vertices, &triangles, &sets).settle();
     // Of what is nothing but sheets, nothing would be left to tell of.
-    if fixed.is_empty() && !stays.contains(&true) {
-        return settled;
+    if triangles.is_empty() && !stays.contains(&true) {
+        return None;
     }
-    *triangles = fixed;
-    keep(free, &alone);
+    let mut settled = Settled { triangles, alone, added_free: Vec::new(), duplicates: 0, cancelled: 0 };
     for (set, stays) in sets.iter().zip(stays) {
         if stays {
-            triangles.push(set.facet);
-            free.push(set.balanced);
+            settled.triangles.push(set.facet);
+            settled.added_free.push(set.balanced);
             settled.duplicates += set.count - 1;
         } else {
             settled.cancelled += set.count / 2;
             settled.duplicates += set.count % 2;
         }
     }
-    settled
+    Some(settled)
 }
 
-/// Which facets stand alone, and the others.
-fn equal_facets(triangles: &[[u32; 3]]) -> (Vec<bool>, Vec<EqualFacets>) {
-    let mut sorted: Vec<([u32; 3], usize)> = triangles
-        .iter()
-        .map(|t| {
-            let mut key = *t;
-            key.sort_unstable();
-            key
-        })
-        .zip(0..)
-        .collect();
+/// The facets that may be equal to others, ascending: those at edges with more than two facets or with two in the same
+/// direction, and those with one neighbour only.
+fn candidates(edges: &Edges) -> Vec<u32> {
+    let mut candidates = edges.matches.crowded.clone();
+    let by_facet = (0u32..).zip(edges.twins.as_chunks::<3>().0);
+    let lies_on_one = by_facet.filter(|(_, [a, b, c])| *a != NO_TWIN && a / 3 == b / 3 && b / 3 == c / 3);
+    candidates.extend(lies_on_one.map(|(t, _)| t));
+    candidates.sort_unstable();
+    candidates.dedup();
+    candidates
+}
+
+/// Which facets stand alone, and the others, among those that may be equal to others.
+fn equal_facets(triangles: &[[u32; 3]], candidates: Vec<u32>) -> (Vec<bool>, Vec<EqualFacets>) {
+    let key = |t: u32| {
+        let mut key = triangles[t as usize];
+        key.sort_unstable();
+        (key, t as usize)
+    };
+    let mut sorted: Vec<([u32; 3], usize)> = candidates.into_iter().map(key).collect();
     sorted.sort_unstable();
     let mut alone = vec![true; triangles.len()];
     let mut sets = Vec::new();
