@@ -81,10 +81,10 @@ pub(super) fn for_each_edge(triangles: &[[u32; 3]], vertex_count: usize, mut vis
 fn for_each_half(triangles: &[[u32; 3]], mut visit: impl FnMut(u32, u32, u32)) {
     let mut half = 0;
     for &[a, b, c] in triangles {
-        visit(a, b, half);
-        visit(b, c, half + 1);
-        visit(c, a, half + 2);
-        half += 3;
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            visit(from, to, half);
+            half += 1;
+        }
     }
 }
 
@@ -174,13 +174,18 @@ impl Edges {
         }
         now[next..].iter().for_each(|&facet| mark(facet));
 
-        let moved = |&twin: &u32| match twin {
+        let moved = |twin: u32| match twin {
             NO_TWIN => NO_TWIN,
             // Of facets that went only edges that are matched again know.
             twin => twin.wrapping_sub(gone[twin as usize / 3]),
         };
-        let kept = self.twins.as_chunks::<3>().0.iter().zip(stays).filter(|(_, stays)| **stays);
-        let mut twins: Vec<u32> = kept.flat_map(|(twins, _)| twins.iter().map(moved)).collect();
+        let mut twins = Vec::with_capacity(3 * now.len());
+        if next == before.len() {
+            twins.extend_from_slice(&self.twins);
+        } else {
+            let kept = self.twins.as_chunks::<3>().0.iter().zip(stays).filter(|(_, stays)| **stays);
+            kept.for_each(|(of_facet, _)| twins.extend_from_slice(&of_facet.map(moved)));
+        }
         twins.resize(3 * now.len(), NO_TWIN);
         let left = Matches::among(before, |v| changed[v as usize], |_, _| {});
         let crowded = self.matches.crowded.iter().filter(|&&t| stays[t as usize]);
@@ -282,12 +287,18 @@ impl Matches {
     /// Matches the edges whose smaller vertex is wanted: `set` gets their half-edges, each with its twin or `NO_TWIN`.
     fn among(triangles: &[[u32; 3]], wanted: impl Fn(u32) -> bool, mut set: impl FnMut(u32, u32)) -> Self {
         let mut sides: Vec<(u32, Side)> = Vec::new();
-        for_each_half(triangles, |from, to, half| {
-            let smaller = from.min(to);
-            if wanted(smaller) {
-                sides.push((smaller, Side::new(from, to, half)));
+        for (&[a, b, c], half) in triangles.iter().zip((0..).step_by(3)) {
+            // Few facets have any.
+            if !(wanted(a) | wanted(b) | wanted(c)) {
+                continue;
             }
-        });
+            for (from, to, half) in [(a, b, half), (b, c, half + 1), (c, a, half + 2)] {
+                let smaller = from.min(to);
+                if wanted(smaller) {
+                    sides.push((smaller, Side::new(from, to, half)));
+                }
+            }
+        }
         sides.sort_unstable();
         let mut matches = Self::default();
         let edge = |&(smaller, side): &(u32, Side)| (smaller, side.greater_vertex());

@@ -118,7 +118,7 @@ impl Walk<'_> {
         // What is farther off makes no difference.
         self.near.clear();
         let edges = self.support.outline.edges_touching(bounds);
-        self.near.extend(edges.map(|edge| [edge.a.mm(), edge.b.mm()]));
+        edges.for_each(|edge| self.near.push([edge.a.mm(), edge.b.mm()]));
         let away = self.away([from.at, to.at]) / self.width_mm;
         let inside = match self.inside {
             Some(inside) if away > 0.0 => inside,

@@ -2,6 +2,7 @@
 //! as they are. Of points, `pathwright-ordering` has trees and a grid.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use super::{Bounds, Point, Polygon, Region, UNITS_PER_MM, real, to_segment_mm};
 
@@ -38,6 +39,8 @@ pub struct EdgeGrid {
     /// Where the items of each cell start.
     starts: Vec<u32>,
     items: Vec<u32>,
+    /// Of every cell without edges whether it is inside, once a point was asked for.
+    insides: OnceLock<Vec<bool>>,
 }
 
 impl EdgeGrid {
@@ -58,7 +61,16 @@ impl EdgeGrid {
             .max((width.max(height) as f64 / count) as i64)
             .max(1);
         let (columns, rows) = (width / cell + 1, height / cell + 1);
-        let mut grid = Self { edges, bounds, cell, columns, rows, starts: vec![], items: vec![] };
+        let mut grid = Self {
+            edges,
+            bounds,
+            cell,
+            columns,
+            rows,
+            starts: vec![],
+            items: vec![],
+            insides: OnceLock::new(),
+        };
         grid.fill();
         grid
     }
@@ -69,20 +81,25 @@ impl EdgeGrid {
     }
 
     fn fill(&mut self) {
+        // Cells side by side, and the edge in them.
+        let mut spans: Vec<(Range<usize>, u32)> = Vec::with_capacity(2 * self.edges.len());
+        for (edge, i) in self.edges.iter().zip(0..) {
+            self.spans_along(edge.a, edge.b).for_each(|span| spans.push((span, i)));
+        }
         let mut starts = vec![0_u32; (self.columns * self.rows) as usize + 1];
-        for edge in &self.edges {
-            self.spans_along(edge.a, edge.b).flatten().for_each(|cell| starts[cell + 1] += 1);
+        for (span, _) in &spans {
+            starts[span.start + 1..=span.end].iter_mut().for_each(|count| *count += 1);
         }
         for cell in 1..starts.len() {
             starts[cell] += starts[cell - 1];
         }
         let mut next = starts.clone();
         let mut items = vec![0; *starts.last().unwrap_or(&0) as usize];
-        for (i, edge) in self.edges.iter().enumerate() {
-            self.spans_along(edge.a, edge.b).flatten().for_each(|cell| {
-                items[next[cell] as usize] = i as u32;
-                next[cell] += 1;
-            });
+        for (span, i) in spans {
+            for next in &mut next[span] {
+                items[*next as usize] = i;
+                *next += 1;
+            }
         }
         (self.starts, self.items) = (starts, items);
     }
@@ -115,7 +132,7 @@ impl EdgeGrid {
     /// and some more. They replace the contents of `found`.
     pub fn near_box(&self, bounds: Bounds, found: &mut Vec<u32>) {
         found.clear();
-        found.extend(self.items_around(bounds));
+        self.items_around(bounds).for_each(|i| found.push(i));
         found.sort_unstable();
         found.dedup();
     }
@@ -159,17 +176,32 @@ impl EdgeGrid {
             .fold(f64::INFINITY, |least, mm| real::lesser(mm, least))
     }
 
-    /// Whether the point is inside or on the boundary (even-odd over all rings). Passes half a row of cells at most.
+    /// Whether the point is inside or on the boundary (even-odd over all rings). Looks at the cells between it and the nearest in
+    /// its row that has no edges.
     pub fn contains(&self, p: Point) -> bool {
         if !self.bounds.holds(p) {
             return false;
         }
-        let Bounds { min, max } = self.bounds;
-        let to_left = i64::from(p.x) - i64::from(min.x) < i64::from(max.x) - i64::from(p.x);
-        let beside = Point::new(if to_left { min.x } else { max.x }, p.y);
+        let min = self.bounds.min;
+        let cell_of = |at: i32, origin: i32| (i64::from(at) - i64::from(origin)) / self.cell;
+        let (column, first) = (cell_of(p.x, min.x), cell_of(p.y, min.y) * self.columns);
+        let end = first + self.columns;
+        let at = first + column;
+        let is_free = |cell: i64| {
+            cell < first || cell >= end || self.starts[cell as usize] == self.starts[cell as usize + 1]
+        };
+        let mut free = (0..).flat_map(|by| [at - by, at + by]).skip(1);
+        let free = free.find(|&cell| is_free(cell)).unwrap_or(first - 1);
+        // Beyond the last cell of a row all is outside.
+        let inside = (first..end).contains(&free) && self.insides()[free as usize];
+        if free == at {
+            return inside;
+        }
+        let to_left = free < at;
+        let between = if to_left { free + 1..at + 1 } else { at..free };
         // Edges that are passed on the way there. One that is in several cells comes several times.
         let mut passed: Vec<u32> = Vec::new();
-        for &i in self.spans_along(beside, p).flat_map(|span| self.items_in(span)) {
+        for &i in self.items_in(between.start as usize..between.end as usize) {
             let Edge { a, b, .. } = self.edges[i as usize];
             let up = a.y <= p.y;
             let crosses = up != (b.y <= p.y);
@@ -186,7 +218,36 @@ impl EdgeGrid {
         }
         passed.sort_unstable();
         passed.dedup();
-        passed.len() % 2 == 1
+        inside != (passed.len() % 2 == 1)
+    }
+
+    /// Of every cell without edges whether it is inside.
+    fn insides(&self) -> &[bool] {
+        self.insides.get_or_init(|| {
+            let mut insides = vec![false; (self.columns * self.rows) as usize];
+            // Where the boundary passes the middle of a row, from there on to the right the other holds.
+            for &Edge { a, b, .. } in &self.edges {
+                let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
+                let [ax, ay] = [a.x, a.y].map(i64::from);
+                let [x, y] = [i64::from(self.bounds.min.x), i64::from(self.bounds.min.y)];
+                let slope = i64::from(b.x - a.x) as f64 / i64::from(b.y - a.y).max(1) as f64;
+                let row_from =
+                    |at: i32| (i64::from(at) - y + self.cell - self.cell / 2).div_euclid(self.cell);
+                for row in row_from(a.y)..row_from(b.y) {
+                    let middle = y + row * self.cell + self.cell / 2;
+                    let column = (ax - x + (slope * (middle - ay) as f64) as i64) / self.cell;
+                    insides[(row * self.columns + column.clamp(0, self.columns - 1)) as usize] ^= true;
+                }
+            }
+            for row in insides.chunks_exact_mut(self.columns as usize) {
+                let mut inside = false;
+                for cell in row {
+                    inside ^= *cell;
+                    *cell = inside;
+                }
+            }
+            insides
+        })
     }
 
     /// All cells within [`SLACK`] of the segment: of every row those side by side.
@@ -232,6 +293,33 @@ mod tests {
             for by in [Point::new(0, 40), Point::new(40, 0), Point::new(-300_000, 200_000)] {
                 grid.near_segment(middle - by, middle + by, &mut found);
                 assert!(found.contains(&(i as u32)), "edge {i}");
+            }
+        }
+    }
+    #[test]
+    fn points_are_inside_where_a_ray_from_them_meets_the_boundary_an_odd_number_of_times() {
+        let mut random = crate::Random::new(3);
+        for count in [3, 4, 7, 30, 200] {
+            let mut number = |below: u32| random.below(below) as i32;
+            let ring = |number: &mut dyn FnMut(u32) -> i32| -> Vec<Point> {
+                // Few different ordinates, so that there are level edges and vertices at one height.
+                (0..count).map(|_| Point::new(number(3000), 100 * number(20))).collect()
+            };
+            let rings = [ring(&mut number), ring(&mut number)];
+            let polygons = rings.map(|outer| Polygon { outer, holes: vec![] });
+            let region = Region { polygons: polygons.to_vec() };
+            let grid = EdgeGrid::new(&region);
+            let on =
+                |p: Point, e: &Edge| (e.b - e.a).cross(p - e.a) == 0 && Bounds::spanned(e.a, e.b).holds(p);
+            let passes = |p: Point, e: &Edge| {
+                let up = e.a.y <= p.y;
+                up != (e.b.y <= p.y) && ((e.b - e.a).cross(p - e.a) < 0) == up
+            };
+            for _ in 0..3000 {
+                let y = if number(2) == 0 { 100 * number(20) } else { number(2000) };
+                let p = Point::new(number(3000), y);
+                let odd = grid.edges().iter().filter(|e| passes(p, e)).count() % 2 == 1;
+                assert_eq!(grid.contains(p), odd || grid.edges().iter().any(|e| on(p, e)), "{p:?}");
             }
         }
     }

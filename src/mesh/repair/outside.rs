@@ -215,8 +215,14 @@ fn measure(vertices: &[[f32; 3]], triangles: &[[u32; 3]], shell_of: &[u32], coun
     if let [only] = shells.as_mut_slice() {
         vertices.iter().for_each(|&p| only.add(p));
     } else {
+        // The shell that a vertex was added to: most are corners of some six facets of one.
+        let mut added = vec![u32::MAX; vertices.len()];
         for (triangle, &shell) in triangles.iter().zip(shell_of) {
-            triangle.iter().for_each(|&v| shells[shell as usize].add(vertices[v as usize]));
+            for &v in triangle {
+                if std::mem::replace(&mut added[v as usize], shell) != shell {
+                    shells[shell as usize].add(vertices[v as usize]);
+                }
+            }
         }
     }
     for (triangle, &shell) in triangles.iter().zip(shell_of) {

@@ -165,19 +165,22 @@ impl Search<'_> {
                 }
                 continue;
             }
-            let mut forwards = self.walk.link(left, enter) + self.walk.link(leave, right) - link;
-            if forwards < best.0 {
-                forwards += self.walk.surcharge(left, enter) + self.walk.surcharge(leave, right);
-            }
-            if forwards < best.0 {
-                best = (forwards, gap, false);
-            }
-            let mut backwards = self.walk.link(left, leave) + self.walk.link(enter, right) - link;
-            if lone && backwards < best.0 {
-                backwards += self.walk.surcharge(left, leave) + self.walk.surcharge(enter, right);
-            }
-            if lone && backwards < best.0 {
-                best = (backwards, gap, true);
+            for (reversed, first, last) in [(false, enter, leave), (true, leave, enter)] {
+                if reversed && !lone {
+                    break;
+                }
+                // One of its links is often too long already.
+                let one = self.walk.link(left, first);
+                if one - link >= best.0 {
+                    continue;
+                }
+                let mut cost = one + self.walk.link(last, right) - link;
+                if cost < best.0 {
+                    cost += self.walk.surcharge(left, first) + self.walk.surcharge(last, right);
+                }
+                if cost < best.0 {
+                    best = (cost, gap, reversed);
+                }
             }
         }
         self.gaps = gaps;
