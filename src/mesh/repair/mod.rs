@@ -9,6 +9,7 @@ mod gaps;
 mod holes;
 mod outside;
 mod pairs;
+mod rays;
 mod sheets;
 mod walls;
 

@@ -1,10 +1,7 @@
 //! Which side of a shell is outside.
 
-use parry3d::math::Vector;
-use parry3d::query::{Ray, RayCast};
-use parry3d::shape::TriMesh;
-
 use super::doubts::Doubtful;
+use super::rays;
 use crate::mesh::edges::NO_TWIN;
 use crate::mesh::measure::facet_measures;
 
@@ -98,15 +95,14 @@ pub(super) fn turn_outwards(
     let mut inward: Vec<usize> =
         (0..shell_count).filter(|&s| shells[s].is_inside_out() || in_doubt[s]).collect();
     inward.sort_by(|&a, &b| shells[b].box_mm3().total_cmp(&shells[a].box_mm3()).then(a.cmp(&b)));
-    let mut surface = None;
+    let is_enclosed =
+        |inner: usize| (0..shell_count).any(|s| s != inner && shells[s].encloses(&shells[inner]));
+    let enclosed: Vec<bool> = inward.iter().map(|&inner| is_enclosed(inner)).collect();
+    let looking: Vec<usize> = inward.iter().zip(&enclosed).filter(|(_, e)| **e).map(|(&s, _)| s).collect();
+    let mut views = views(vertices, triangles, shell_of, shell_count, &looking).into_iter();
     let mut doubts = Vec::new();
-    for &inner in &inward {
-        let enclosed = (0..shell_count).any(|s| s != inner && shells[s].encloses(&shells[inner]));
-        let is_cavity = enclosed && {
-            let surface =
-                surface.get_or_insert_with(|| Surface::new(vertices, triangles, shell_of, shell_count));
-            surface.shows_back_to(inner as u32, &turn)
-        };
+    for (&inner, enclosed) in inward.iter().zip(enclosed) {
+        let is_cavity = enclosed && views.next().is_some_and(|views| show_backs(&views, shell_of, &turn));
         let Shell { min, max, volume_mm3, .. } = shells[inner];
         if is_cavity && in_doubt[inner] {
             let cause =
@@ -151,63 +147,59 @@ pub(in crate::mesh) fn turn_facets(
     turned
 }
 
-/// All facets in a hierarchy for ray casts.
-struct Surface<'a> {
-    mesh: Option<TriMesh>,
-    shell_of: &'a [u32],
-    /// The facets of each shell.
-    members: Vec<Vec<u32>>,
+/// What the rays from a corner meet first, of other shells: the facet, and whether from its back.
+type View = [Option<(u32, bool)>; rays::COUNT];
+
+/// The views from corners of some shells.
+fn views(
+    vertices: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    shell_of: &[u32],
+    shell_count: usize,
+    looking: &[usize],
+) -> Vec<Vec<View>> {
+    if looking.is_empty() {
+        return Vec::new();
+    }
+    let mut members: Vec<Option<Vec<u32>>> = vec![None; shell_count];
+    looking.iter().for_each(|&shell| members[shell] = Some(Vec::new()));
+    for (t, &shell) in (0..).zip(shell_of) {
+        if let Some(members) = &mut members[shell as usize] {
+            members.push(t);
+        }
+    }
+    // Of thousands of shells each is looked at less closely.
+    let most = (MOST_IN_ALL / shell_count).clamp(1, MOST_CORNERS);
+    let (mut origins, mut counts) = (Vec::new(), Vec::with_capacity(looking.len()));
+    for &shell in looking {
+        let own = members[shell].take().unwrap_or_default();
+        let corners = own.iter().step_by(own.len().div_ceil(most).max(1));
+        counts.push(corners.len());
+        origins.extend(corners.map(|&t| (vertices[triangles[t as usize][0] as usize], shell as u32)));
+    }
+    let (points, owners): (Vec<[f32; 3]>, Vec<u32>) = origins.into_iter().unzip();
+    let mut nearest: Vec<[f32; rays::COUNT]> = vec![[f32::MAX; rays::COUNT]; points.len()];
+    let mut views: Vec<View> = vec![[None; rays::COUNT]; points.len()];
+    rays::for_each_hit(vertices, triangles, &points, |hit| {
+        let (corner, ray) = hit.ray;
+        let other = shell_of[hit.facet as usize] != owners[corner];
+        if other && hit.distance < nearest[corner][ray] {
+            nearest[corner][ray] = hit.distance;
+            views[corner][ray] = Some((hit.facet, hit.leaves));
+        }
+    });
+    let mut views = views.into_iter();
+    counts.into_iter().map(|count| views.by_ref().take(count).collect()).collect()
 }
 
-impl<'a> Surface<'a> {
-    fn new(vertices: &[[f32; 3]], triangles: &[[u32; 3]], shell_of: &'a [u32], count: usize) -> Self {
-        let points = vertices.iter().map(|&p| Vector::from(p)).collect();
-        let mut members = vec![Vec::new(); count];
-        for (t, &shell) in (0..).zip(shell_of) {
-            members[shell as usize].push(t);
-        }
-        Self { mesh: TriMesh::new(points, triangles.to_vec()).ok(), shell_of, members }
-    }
-
-    /// Whether the nearest facets of other shells, seen from corners of this one, show their backs. A shell that is seen
-    /// otherwise from some corners crosses another and is no cavity.
-    fn shows_back_to(&self, shell: u32, turn: &[bool]) -> bool {
-        let Some(mesh) = self.mesh.as_ref() else { return false };
-        let own = &self.members[shell as usize];
-        // Of thousands of shells each is looked at less closely.
-        let most = (MOST_IN_ALL / self.members.len()).clamp(1, MOST_CORNERS);
-        let step = own.len().div_ceil(most).max(1);
-        let count = own.len().div_ceil(step);
-        let mut others = 0;
-        for &t in own.iter().step_by(step) {
-            others += usize::from(!self.shows_back(mesh, mesh.triangle(t).a, shell, turn));
-            if 5 * others > count {
-                return false;
-            }
-        }
-        count > 0
-    }
-
-    /// The same for one corner: two of three rays decide, so that one that grazes an edge does not.
-    fn shows_back(&self, mesh: &TriMesh, origin: Vector, shell: u32, turn: &[bool]) -> bool {
-        let directions = [[0.36, 0.48, 0.8], [-0.6, 0.64, 0.48], [0.48, -0.36, -0.8]].map(Vector::from);
-        let backs = directions.into_iter().filter(|&direction| {
-            let ray = Ray::new(origin, direction);
-            let hit = mesh.bvh().find_best(
-                f32::MAX,
-                |node, nearest| node.cast_ray(&ray, nearest),
-                |t, nearest| {
-                    let other = self.shell_of[t as usize] != shell;
-                    other.then(|| mesh.triangle(t).cast_local_ray(&ray, nearest, false)).flatten()
-                },
-            );
-            hit.is_some_and(|(t, _)| {
-                let along = mesh.triangle(t).scaled_normal().dot(direction) > 0.0;
-                along != turn[self.shell_of[t as usize] as usize]
-            })
-        });
-        backs.count() >= 2
-    }
+/// Whether the nearest facets of other shells, seen from corners of one, show their backs. A shell that is seen
+/// otherwise from some corners crosses another and is no cavity.
+fn show_backs(views: &[View], shell_of: &[u32], turn: &[bool]) -> bool {
+    let is_back = |&(facet, leaves): &(u32, bool)| leaves != turn[shell_of[facet as usize] as usize];
+    // Two of three rays decide, so that one that grazes an edge does not.
+    let shows_back = |view: &&View| view.iter().flatten().filter(|hit| is_back(hit)).count() >= 2;
+    let others = views.len() - views.iter().filter(shows_back).count();
+    !views.is_empty() && 5 * others <= views.len()
 }
 
 fn measure(vertices: &[[f32; 3]], triangles: &[[u32; 3]], shell_of: &[u32], count: usize) -> Vec<Shell> {

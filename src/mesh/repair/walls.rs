@@ -5,10 +5,9 @@
 //! casting, JCGT 3(4), 2014): nothing is outside nothing. Where patches coincide, rays do not decide; those are turned so
 //! that as many facets run along an edge in one direction as in the other.
 
-use parry3d::math::Vector;
-use parry3d::query::{Ray, RayCast};
-use parry3d::shape::TriMesh;
+use std::cmp::Reverse;
 
+use super::rays;
 use crate::mesh::edges::{Side, for_each_edge};
 use crate::mesh::measure::{Vec3, area_mm2, length_mm, normal, point};
 use geometry::DisjointSets;
@@ -24,8 +23,6 @@ const OFF_MM: f64 = 2e-3;
 
 /// Rounds of turning patches where that balances edges.
 const ROUNDS: usize = 50;
-
-const DIRECTIONS: [[f32; 3]; 3] = [[0.36, 0.48, 0.8], [-0.6, 0.64, 0.48], [0.48, -0.36, -0.8]];
 
 /// The result of casting rays from a patch.
 #[derive(Clone, Copy, PartialEq)]
@@ -90,52 +87,66 @@ fn findings(
     for (t, &patch) in (0..).zip(patch_of).filter(|(_, patch)| at_seam[**patch as usize]) {
         members[patch as usize].push(t);
     }
-    let points = vertices.iter().map(|&p| Vector::from(p)).collect();
-    let Ok(mesh) = TriMesh::new(points, triangles.to_vec()) else { return found };
-    for (members, found) in members.iter_mut().zip(&mut found).filter(|(members, _)| !members.is_empty()) {
-        let area = |t: u32| area_mm2(vertices, triangles[t as usize]);
-        members.sort_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
-        let (mut right, mut wrong, mut tried) = (0, 0, 0);
-        for &t in members.iter().take(SAMPLES) {
-            tried += 1;
+    // Points before and behind facets of each patch; none for facets without area.
+    let mut origins: Vec<[f32; 3]> = Vec::new();
+    let mut sampled: Vec<(usize, Vec<Option<usize>>)> = Vec::new();
+    for (patch, members) in members.into_iter().enumerate().filter(|(_, members)| !members.is_empty()) {
+        let sample = |t: u32| {
             let facet = triangles[t as usize];
-            let Some(up) = normal(vertices, facet).try_normalize(0.0) else { continue };
+            let up = normal(vertices, facet).try_normalize(0.0)?;
             let middle = facet.into_iter().map(|v| point(vertices, v)).sum::<Vec3>() / 3.0;
-            let [front, back] = [OFF_MM, -OFF_MM].map(|off| winding(&mesh, middle + off * up));
-            match (front, back) {
+            let first = origins.len();
+            origins.extend([OFF_MM, -OFF_MM].map(|off| {
+                let at = middle + off * up;
+                [at.x as f32, at.y as f32, at.z as f32]
+            }));
+            Some(first)
+        };
+        sampled.push((patch, largest(members, vertices, triangles).into_iter().map(sample).collect()));
+    }
+    let windings = windings(vertices, triangles, &origins);
+    for (patch, samples) in sampled {
+        let (mut right, mut wrong) = (0, 0);
+        for &first in samples.iter().flatten() {
+            match (windings[first], windings[first + 1]) {
                 (-1, 0) => wrong += 1,
                 (front, back) if front >= 0 && back == front + 1 => right += 1,
                 _ => {}
             }
         }
-        if 3 * wrong >= 2 * tried {
-            *found = Finding::Wrong;
-        } else if 3 * right >= 2 * tried {
-            *found = Finding::Right;
+        if 3 * wrong >= 2 * samples.len() {
+            found[patch] = Finding::Wrong;
+        } else if 3 * right >= 2 * samples.len() {
+            found[patch] = Finding::Right;
         }
     }
     found
 }
 
-/// How often the surface winds around a point: the middle of what three rays count.
-fn winding(mesh: &TriMesh, at: Vec3) -> i32 {
-    let origin = Vector::new(at.x as f32, at.y as f32, at.z as f32);
-    let mut counts = DIRECTIONS.map(|direction| {
-        let direction = Vector::from(direction);
-        let ray = Ray::new(origin, direction);
-        let near = mesh.bvh().leaves(|node| node.cast_ray(&ray, f32::MAX) < f32::MAX);
-        near.map(|t| {
-            let facet = mesh.triangle(t);
-            match facet.cast_local_ray(&ray, f32::MAX, false) {
-                Some(_) if facet.scaled_normal().dot(direction) > 0.0 => 1,
-                Some(_) => -1,
-                None => 0,
-            }
-        })
-        .sum::<i32>()
+/// The largest facets of a patch, of equal ones the first; so many as are sampled.
+fn largest(members: Vec<u32>, vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<u32> {
+    // Areas are no less than zero, and so ordered as their bits are.
+    let area = |&t: &u32| area_mm2(vertices, triangles[t as usize]).to_bits();
+    let mut by_size: Vec<(Reverse<u64>, u32)> = members.iter().map(|t| (Reverse(area(t)), *t)).collect();
+    if by_size.len() > SAMPLES {
+        by_size.select_nth_unstable(SAMPLES);
+        by_size.truncate(SAMPLES);
+    }
+    by_size.sort_unstable();
+    by_size.into_iter().map(|(_, t)| t).collect()
+}
+
+/// How often the surface winds around each point: the middle of what three rays count.
+fn windings(vertices: &[[f32; 3]], triangles: &[[u32; 3]], points: &[[f32; 3]]) -> Vec<i32> {
+    let mut counts = vec![[0; rays::COUNT]; points.len()];
+    rays::for_each_hit(vertices, triangles, points, |hit| {
+        counts[hit.ray.0][hit.ray.1] += if hit.leaves { 1 } else { -1 };
     });
-    counts.sort_unstable();
-    counts[1]
+    let middle = |mut counts: [i32; rays::COUNT]| {
+        counts.sort_unstable();
+        counts[rays::COUNT / 2]
+    };
+    counts.into_iter().map(middle).collect()
 }
 
 /// Turns patches of which rays say nothing where that balances more edges than it unbalances, the first ones first.
