@@ -1,5 +1,7 @@
 //! Supports of a plate: found and stood before any layer is planned, laid as beads layer by layer.
 
+use std::borrow::Cow;
+
 use crate::profile::Settings;
 use crate::report::Overhangs;
 use crate::slice::{self, Layer, LayerSpan};
@@ -158,7 +160,10 @@ impl Unsupported {
     ) -> Self {
         let count = layers.len();
         let grid = Grid::new(bounds, REACH_MM, support::CELL_MM);
-        let sections = workers.map(count, |i| section(&layers[i]));
+        let sections: Vec<Cow<'_, Region>> = workers.map(count, |i| match layers[i].sections.as_slice() {
+            [only] => Cow::Borrowed(&only.region),
+            _ => Cow::Owned(section(&layers[i])),
+        });
         let solid = workers.map(count, |i| Bitmap::of(grid, &sections[i]));
         let rough = workers.map(count, |i| simplify(&sections[i], support::ROUGH_MM));
         let slab = |i: usize| Slab { section: &sections[i], rough: &rough[i], solid: &solid[i] };
