@@ -10,7 +10,7 @@ use super::overhang::{Grade, Support};
 use super::prime::prime;
 use super::rules::Rules;
 use super::simplify::straighten;
-use super::smooth::{Rounding, gentle_rad, refine_curves, round_corners};
+use super::smooth::{Rounding, curve_rad, gentle_rad, refine_curves, round_corners};
 use super::{Entry, LayerMoves, MotionSettings, Move, PauseAt, Stop, tool, travel};
 use crate::order::PathVisit;
 use crate::toolpath::{LayerKind, LayerPaths, Path, Role};
@@ -304,7 +304,7 @@ impl Nozzle<'_> {
         straighten(vertices, &mut self.plain);
         self.curved.clear();
         let gentle_rad = gentle_rad(speed, self.settings.square_corner_velocity);
-        refine_curves(from, &self.plain, gentle_rad, &mut self.curved);
+        refine_curves(from, &self.plain, curve_rad(role, gentle_rad), &mut self.curved);
         round_corners(from, &self.curved, &Rounding::of(role, width_mm, gentle_rad), &mut self.pieces);
         self.moves.extend(self.pieces.iter().map(|piece| Move::Extrude {
             to: piece.to,

@@ -25,6 +25,15 @@ pub(super) fn gentle_rad(speed: MmPerS, square_corner_velocity: MmPerS) -> f64 {
     rad.clamp(FINEST_RAD, COARSEST_RAD)
 }
 
+/// Curves of outer walls turn by no more than this at a vertex, however slow they are: they are seen, and the walls behind them,
+/// which are faster, are as fine.
+const SEEN_RAD: f64 = 0.17;
+
+/// The turn that curves of a role have at each vertex, where corners may turn by `gentle_rad`.
+pub(super) fn curve_rad(role: Role, gentle_rad: f64) -> f64 {
+    if role == Role::ExternalPerimeter { real::lesser(gentle_rad, SEEN_RAD) } else { gentle_rad }
+}
+
 /// No piece is made shorter than this.
 const SHORTEST_MM: f64 = 0.05;
 
@@ -176,9 +185,9 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
 
 /// Cuts the pieces of curves so that they turn by little at each vertex: the vertices added lie on the curve that goes
 /// through the others halfway between the directions before and after (a cubic; of a circle's chords, the circle),
-/// at most [`BULGE_MM`] beside the piece. Turns are gentle then, if the pieces need not become too short for that. Each
-/// piece keeps its volume.
-pub(super) fn refine_curves(from: [f64; 2], pieces: &[Piece], gentle_rad: f64, out: &mut Vec<Piece>) {
+/// at most [`BULGE_MM`] beside the piece. They turn by `most_rad` at most then, if the pieces need not become too short for that.
+/// Each piece keeps its volume.
+pub(super) fn refine_curves(from: [f64; 2], pieces: &[Piece], most_rad: f64, out: &mut Vec<Piece>) {
     let mut a = from;
     let mut turn_before = 0.0_f64;
     for (i, piece) in pieces.iter().enumerate() {
@@ -193,7 +202,7 @@ pub(super) fn refine_curves(from: [f64; 2], pieces: &[Piece], gentle_rad: f64, o
         // Slopes against the piece at its start and end.
         let (start, end): (f64, f64) = (-0.5 * turn_before, 0.5 * turn_after);
         let bulge_mm = length_mm * (start.abs() + end.abs()) / 8.0;
-        let steps = ((start.abs() + end.abs()) / gentle_rad).ceil().min((length_mm / SHORTEST_MM).floor());
+        let steps = ((start.abs() + end.abs()) / most_rad).ceil().min((length_mm / SHORTEST_MM).floor());
         if steps < 2.0 || bulge_mm > BULGE_MM {
             out.push(*piece);
         } else {

@@ -19,7 +19,7 @@
 use std::f64::consts::TAU;
 
 use geometry::real;
-use geometry::{Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM};
+use geometry::{Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM, distance_mm};
 
 use super::bead::Line;
 use super::unfold::{Vertex, unfold};
@@ -40,7 +40,8 @@ pub(super) const FULL_INNERMOST: f64 = 1.5;
 /// Gaps narrower than this hold no bead that a nozzle could lay.
 pub(super) const MIN_GAP_MM: f64 = 0.12;
 
-/// Beads in gaps end this share of their width before the gap does: round ends would leave its corners open.
+/// Beads in gaps end this share of their width before the gap does: round ends would leave its corners open. Where other lines
+/// go on, they end with the gap.
 pub(super) const GAP_TIP: f64 = 0.25;
 
 /// The widest single bead, in spacings: at junctions a little more than the module says.
@@ -54,6 +55,9 @@ const NEARLY_STRAIGHT: f64 = 0.05;
 
 /// The thickness is looked up at least this often, in spacings.
 const STEP: f64 = 0.6;
+
+/// What is narrower by less, in millimetres, is as wide.
+const NARROWER_MM: f64 = 0.002;
 
 /// Corners of a dot's loop.
 const DOT_CORNERS: u32 = 6;
@@ -191,13 +195,16 @@ impl Sides {
         let edges: Vec<Vec<Sample>> = (0..n).map(|i| self.along(corners[i], corners[(i + 1) % n])).collect();
         let mut bead = Vec::new();
         for (i, edge) in edges.iter().enumerate() {
-            let (Some(start), Some(end)) = (edge.first(), edges[(i + n - 1) % n].last()) else {
+            let before = &edges[(i + n - 1) % n];
+            let (Some(start), Some(end)) = (edge.first(), before.last()) else {
                 continue;
             };
-            self.corner(end, start, &mut bead);
+            let corner = self.corner(end, start);
+            self.widen(before.iter().rev(), before.len(), corner.spacing_mm, &mut bead);
+            push(corner, &mut bead);
+            self.widen(edge.iter(), edge.len(), corner.spacing_mm, &mut bead);
             for sample in edge.get(1..edge.len() - 1).unwrap_or_default() {
-                let by = sample.inwards.map(|k| k * self.shift_mm(sample));
-                self.push(sample, by, sample.spacing_mm, &mut bead);
+                push(self.beside(sample), &mut bead);
             }
         }
         let bead = unfold(&bead);
@@ -216,7 +223,7 @@ impl Sides {
 
     /// The vertex between two edges, inside either by half its bead, and as wide as the narrower one: a wider bead
     /// would protrude beside that.
-    fn corner(&self, end: &Sample, start: &Sample, bead: &mut Vec<Vertex>) {
+    fn corner(&self, end: &Sample, start: &Sample) -> Vertex {
         let (a, b) = (end.inwards, start.inwards);
         let cosine = a[0] * b[0] + a[1] * b[1];
         let (from, to) = (self.shift_mm(end), self.shift_mm(start));
@@ -228,7 +235,33 @@ impl Sides {
             [0, 1].map(|k| (from * a[k] + to * b[k]) / 2.0)
         };
         let spacing_mm = start.spacing_mm.min(end.spacing_mm);
-        self.push(start, by, spacing_mm, bead);
+        self.vertex(start, by, spacing_mm)
+    }
+
+    /// Where an edge that has no samples between its ends is wider than the bead at one of them, its bead is as wide near by,
+    /// not at the other end only.
+    fn widen<'s>(
+        &self,
+        mut ends: impl Iterator<Item = &'s Sample>,
+        count: usize,
+        spacing_mm: f64,
+        bead: &mut Vec<Vertex>,
+    ) {
+        let (Some(here), Some(there)) = (ends.next(), ends.next()) else { return };
+        if count > 2 || spacing_mm > here.spacing_mm - NARROWER_MM {
+            return;
+        }
+        let share = STEP * self.spacing_mm / distance_mm(here.at, there.at);
+        if share < 0.5 {
+            let at = [0, 1].map(|i| here.at[i] + share * (there.at[i] - here.at[i]));
+            push(self.beside(&Sample { at, ..*here }), bead);
+        }
+    }
+
+    /// The vertex beside a sample of an edge.
+    fn beside(&self, sample: &Sample) -> Vertex {
+        let by = sample.inwards.map(|k| k * self.shift_mm(sample));
+        self.vertex(sample, by, sample.spacing_mm)
     }
 
     /// Distance to the outline, as far as it is less than half a spacing.
@@ -236,18 +269,12 @@ impl Sides {
         self.outline.distance_mm(at, spacing_mm / 2.0).min(spacing_mm / 2.0)
     }
 
-    /// Appends a vertex, moved from a sample, no wider than the clearance there.
-    fn push(&self, sample: &Sample, by: [f64; 2], spacing_mm: f64, bead: &mut Vec<Vertex>) {
+    /// A vertex, moved from a sample, no wider than the clearance there.
+    fn vertex(&self, sample: &Sample, by: [f64; 2], spacing_mm: f64) -> Vertex {
         let Sample { at: [x, y], inwards, .. } = *sample;
         let at = Point::from_mm(x + by[0], y + by[1]);
-        let ahead = [inwards[1], -inwards[0]];
-        match bead.last_mut() {
-            Some(last) if last.at == at => last.ahead = ahead,
-            _ => {
-                let spacing_mm = spacing_mm.min(2.0 * self.clearance_mm(at, spacing_mm));
-                bead.push(Vertex { at, spacing_mm, ahead });
-            }
-        }
+        let spacing_mm = spacing_mm.min(2.0 * self.clearance_mm(at, spacing_mm));
+        Vertex { at, spacing_mm, ahead: [inwards[1], -inwards[0]] }
     }
 
     /// Both ends of an edge, and samples between where the other side is near.
@@ -310,6 +337,14 @@ impl Sides {
         } else {
             radius_mm.max(PAIR * self.spacing_mm)
         }
+    }
+}
+
+/// Appends a vertex. Of several in the same place the first stays, with the direction of the last.
+fn push(vertex: Vertex, bead: &mut Vec<Vertex>) {
+    match bead.last_mut() {
+        Some(last) if last.at == vertex.at => last.ahead = vertex.ahead,
+        _ => bead.push(vertex),
     }
 }
 

@@ -214,7 +214,7 @@ impl<'a> LayerBuilder<'a> {
             region,
             *range.start(),
             *range.end(),
-            [tip, beading::GAP_TIP],
+            tip,
             self.axes,
         ) {
             if path.length_mm() < SHORTEST_GAP_MM {

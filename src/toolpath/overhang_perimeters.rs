@@ -24,8 +24,8 @@ pub(super) fn fill(inside: &Region, area: &Region, spacing_mm: f64, axes: &Known
         lines.extend(pair.loops.iter().flat_map(|line| cut(line, &clipper)));
         if let Some(gap) = pair.gap {
             let (least_mm, most_mm) = (beading::MIN_GAP_MM, beading::WIDEST * spacing_mm);
-            let tips = [beading::GAP_TIP; 2];
-            let middles = geometry::medial_axis_in(&gap.area, &gap.region, least_mm, most_mm, tips, axes);
+            let tip = beading::GAP_TIP;
+            let middles = geometry::medial_axis_in(&gap.area, &gap.region, least_mm, most_mm, tip, axes);
             for path in middles {
                 let line = Line { points: path.points, spacing_mm: path.width_mm, closed: path.closed };
                 lines.extend(cut(&line, &clipper));

@@ -154,7 +154,7 @@ fn a_neck_has_its_line_along_it_even_where_it_is_wider_than_long() {
             let above = [(2.0, 2.0), (h, 2.0), (h, 0.25), (-h, 0.25), (-h, 2.0), (-2.0, 2.0)];
             let dumbbell = turned(&[below, above].concat(), angle);
             let neck = turned(&[(-h, -0.25), (h, -0.25), (h, 0.25), (-h, 0.25)], angle);
-            let paths = medial_axis_in(&neck, &dumbbell, 0.1, 0.6, [0.5, 0.0], &KnownAxes::default());
+            let paths = medial_axis_in(&neck, &dumbbell, 0.1, 0.6, 0.5, &KnownAxes::default());
             assert_eq!(paths.len(), 1, "{length} {angle}: {paths:?}");
             let across = |p: &Point| (p.mm()[1] * angle.cos() - p.mm()[0] * angle.sin()).abs();
             assert!(paths[0].points.iter().all(|p| across(p) < 0.03), "{length} {angle}: {paths:?}");
@@ -202,7 +202,7 @@ proptest! {
         }
         prop_assert_eq!(&paths, &medial_axis(&region, min, max, 0.5));
         let narrow = difference(&region, &opening(&region, max / 2.0));
-        for path in medial_axis_in(&narrow, &region, min, max, [0.5, 0.25], &KnownAxes::default()) {
+        for path in medial_axis_in(&narrow, &region, min, max, 0.5, &KnownAxes::default()) {
             prop_assert_eq!(path.points.len(), path.width_mm.len());
             prop_assert!(path.points.iter().all(|p| region.contains(*p)), "{:?}", path);
             prop_assert!(path.width_mm.iter().all(|w| (min as f32 - 1e-6..=max as f32).contains(w)));

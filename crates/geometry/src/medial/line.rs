@@ -139,9 +139,8 @@ impl Line {
         self.closed = false;
     }
 
-    /// The parts in an area, their new ends taken back by `cut` times the width there, but not so far that less than
-    /// [`SHORTEST_MM`] is left: shorter parts reach out of the area instead.
-    pub(super) fn parts_in(mut self, area: &EdgeGrid, cut: f64) -> Vec<Line> {
+    /// The parts in an area, those shorter than [`SHORTEST_MM`] extended beyond it.
+    pub(super) fn parts_in(mut self, area: &EdgeGrid) -> Vec<Line> {
         if self.closed {
             let outside = self.at.iter().position(|&at| !area.contains(point(at)));
             let Some(outside) = outside else { return vec![self] };
@@ -152,11 +151,6 @@ impl Line {
         let mut parts = self.stretches_in(area, &along);
         for part in &mut parts {
             let is_cut = [part[0] > 0.0, part[1] < end];
-            for (side, sign) in [(0, 1.0), (1, -1.0)] {
-                if is_cut[side] {
-                    part[side] += sign * cut * self.at_length(&along, part[side]).1;
-                }
-            }
             let missing = (SHORTEST_MM - (part[1] - part[0])).max(0.0);
             let each = if is_cut[0] && is_cut[1] { missing / 2.0 } else { missing };
             part[0] -= if is_cut[0] { each.min(part[0]) } else { 0.0 };

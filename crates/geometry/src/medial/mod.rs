@@ -56,15 +56,14 @@ pub fn medial_axis(region: &Region, min_mm: f64, max_mm: f64, tip: f64) -> Vec<M
 /// As [`medial_axis`], for the parts of a region inside `area`, such as its narrow parts.
 ///
 /// The lines are cut out of those of the region. So a neck has its line along it, however short it is, where the neck alone
-/// might be wider than long. Ends where a line leaves a part of the area are taken back by `cut` times the local width; lines
-/// shorter than 0.2 mm reach out of the part instead. Where all this covers less than half of a part, as at flat ends, it
+/// might be wider than long. They end where they leave the area; lines shorter than 0.2 mm reach out of it instead. Where all this covers less than half of a part, as at flat ends, it
 /// gets its own middle lines, if they cover more.
 pub fn medial_axis_in(
     area: &Region,
     region: &Region,
     min_mm: f64,
     max_mm: f64,
-    [tip, cut]: [f64; 2],
+    tip: f64,
     known: &KnownAxes,
 ) -> Vec<MedialPath> {
     if !are_widths(min_mm, max_mm) {
@@ -92,7 +91,7 @@ pub fn medial_axis_in(
         let mut cuts = Vec::new();
         for (lines, grid) in &wholes {
             let near = lines.iter().filter(|(bounds, _)| bounds.touches(&inside.bounds()));
-            let parts = near.flat_map(|(_, line)| line.clone().parts_in(&inside, cut));
+            let parts = near.flat_map(|(_, line)| line.clone().parts_in(&inside));
             cuts.extend(paths(parts, grid, min_mm, max_mm));
         }
         if covered_mm2(&cuts) < ENOUGH * part.area_mm2() {
