@@ -45,8 +45,9 @@ const BLUNT_MM: f64 = 0.0125;
 
 /// Sharp corners of inner walls and solid infill are rounded up to this turn, so far as a share of the bead's width.
 /// The bead is wider on the arc by what that is shorter, and fills the corner in the bead beside it better than a sharp turn.
+/// Corners of 60° are among them; sharper ones of walls are cut off.
 const SHARP_WIDTHS: f64 = 0.11;
-const SHARPEST_RAD: f64 = 2.0;
+const SHARPEST_RAD: f64 = 2.1;
 
 /// So much of what the round outside of a corner leaves open is filled at the turns of solid infill, which are pressed into the
 /// wall; in inner walls all of it is.
