@@ -369,3 +369,31 @@ fn touching(foot: [f64; 2], inwards: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
         .into_iter()
         .fold(f64::INFINITY, f64::min)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_corner_that_is_narrower_does_not_make_its_sides_narrower() {
+        // A plate with a corner that is rounder than its bead, and a rib in which widths have to fit.
+        const RADIUS_MM: f64 = 0.28;
+        let arc = (0..=8u32).map(|k| {
+            let (sine, cosine) = real::sin_cos(f64::from(k) * TAU / 32.0);
+            Point::from_mm(20.0 + RADIUS_MM * (cosine - 1.0), 10.0 + RADIUS_MM * (sine - 1.0))
+        });
+        let straight =
+            [(0.0, 10.0), (0.0, 0.0), (9.5, 0.0), (9.5, -4.0), (10.5, -4.0), (10.5, 0.0), (20.0, 0.0)];
+        let outer = arc.chain(straight.map(|(x, y)| Point::from_mm(x, y))).collect();
+        let region = Region::from(Polygon { outer, holes: Vec::new() });
+        let lines = pair(&region, 0.4, FULL, MIN_GAP_MM).loops;
+        let widths =
+            |line: &Line| line.points.iter().map(|p| p.mm()).zip(line.spacing_mm.clone()).collect::<Vec<_>>();
+        let top: Vec<([f64; 2], f32)> =
+            lines.iter().flat_map(widths).filter(|([_, y], _)| *y > 9.6).collect();
+        assert!(top.iter().any(|(_, spacing_mm)| *spacing_mm < 0.38), "the corner is narrower: {top:?}");
+        let is_wide =
+            |([x, _], spacing_mm): &([f64; 2], f32)| (19.0..19.7).contains(x) && *spacing_mm > 0.395;
+        assert!(top.iter().any(is_wide), "its side is as wide as ever near by: {top:?}");
+    }
+}

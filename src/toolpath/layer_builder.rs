@@ -21,8 +21,8 @@ const SHORTEST_GAP_MM: f64 = 0.1;
 const WIDER: f64 = 1.4;
 
 /// How far the lines of skins reach where they turn sharply at a wall, as a multiple of how far free ends do: nearly no
-/// void is left in the surface, and the wedges are a little fuller than full.
-const SKIN_TURN_REACH: f64 = 1.1;
+/// void is left in the surface, as their turns hold what is open beside them, and the wedges are a little fuller than full.
+const SKIN_TURN_REACH: f64 = 0.85;
 
 /// The same inside of prints that are solid throughout, where what is too much in a layer adds up: void and double
 /// cover together are least.
@@ -209,14 +209,7 @@ impl<'a> LayerBuilder<'a> {
         let mut filled_mm2 = 0.0;
         let tip = if role == Role::ExternalPerimeter { 0.5 } else { beading::GAP_TIP };
         let Gap { area, region } = gap;
-        for path in geometry::medial_axis_in(
-            area,
-            region,
-            *range.start(),
-            *range.end(),
-            tip,
-            self.axes,
-        ) {
+        for path in geometry::medial_axis_in(area, region, *range.start(), *range.end(), tip, self.axes) {
             if path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }

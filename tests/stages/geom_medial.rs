@@ -163,6 +163,15 @@ fn a_neck_has_its_line_along_it_even_where_it_is_wider_than_long() {
     }
 }
 
+#[test]
+fn a_line_ends_where_the_area_does() {
+    let strip = turned(&[(-2.0, -0.2), (2.0, -0.2), (2.0, 0.2), (-2.0, 0.2)], 0.0);
+    let area = turned(&[(-1.0, -0.2), (1.0, -0.2), (1.0, 0.2), (-1.0, 0.2)], 0.0);
+    let paths = medial_axis_in(&area, &strip, 0.1, 0.6, 0.5, &KnownAxes::default());
+    assert_eq!(paths.len(), 1, "{paths:?}");
+    assert!((paths[0].length_mm() - 2.0).abs() < 0.01, "{paths:?}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(150) })]
 

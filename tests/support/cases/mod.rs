@@ -145,8 +145,7 @@ pub fn slicing(bytes: &[u8]) {
     assert!(inset.area_mm2() <= region.area_mm2() + 1e-6 * (1 + around) as f64, "an inset grows");
     let _ = geometry::medial_axis(&region, 0.1, 1.0, 0.5);
     let narrow = geometry::difference(&region, &geometry::opening(&region, 0.5));
-    let _ =
-        geometry::medial_axis_in(&narrow, &region, 0.1, 1.0, 0.5, &geometry::KnownAxes::default());
+    let _ = geometry::medial_axis_in(&narrow, &region, 0.1, 1.0, 0.5, &geometry::KnownAxes::default());
     let mut settings = Settings::default();
     settings.infill.pattern = Pattern::ALL[bytes.int(Pattern::ALL.len() as u32) as usize].1;
     settings.walls.generator = WallGenerator::ALL[bytes.int(2) as usize].1;
