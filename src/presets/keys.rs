@@ -27,8 +27,12 @@ const fn list(name: &'static str, scalar: Scalar, default: &'static str) -> Key 
 
 /// The key of that name, PrusaSlicer's or QIDISlicer's.
 pub(super) fn find(name: &str) -> Option<&'static Key> {
-    let prusas = KEYS.binary_search_by(|key| key.name.cmp(name)).ok().map(|at| &KEYS[at]);
-    prusas.or_else(|| QIDI.iter().find(|key| key.name == name))
+    in_order(KEYS, name).or_else(|| in_order(QIDI, name))
+}
+
+/// The key of that name among some in the order of their names.
+pub(super) fn in_order(keys: &'static [Key], name: &str) -> Option<&'static Key> {
+    keys.binary_search_by(|key| key.name.cmp(name)).ok().map(|at| &keys[at])
 }
 
 /// What the value of a key of PrusaSlicer is; `None`: it has no such key.
@@ -68,7 +72,7 @@ pub(super) const RENAMED: &[(&str, &str, &str)] = &[
     ("gcode_label_objects", "1", "octoprint"),
 ];
 
-/// Keys of QIDISlicer's that scripts of its presets read.
+/// Keys of QIDISlicer that scripts of its presets read, in the order of their names.
 const QIDI: &[Key] = &[
     each("advance_pressure", Real, "0.02"),
     each("box_temperature", Integer, "0"),

@@ -5,13 +5,12 @@ use crate::presets::value::Scalar::{Choice, Flag, Integer, Percent, Real, RealOr
 
 /// The key of that name, SuperSlicer's own or one that it shares with PrusaSlicer.
 pub(in crate::presets) fn find(name: &str) -> Option<&'static Key> {
-    let own = OWN.binary_search_by(|key| key.name.cmp(name)).ok().map(|at| &OWN[at]);
-    own.or_else(|| keys::find(name))
+    keys::in_order(OWN, name).or_else(|| keys::find(name))
 }
 
 /// All keys that SuperSlicer has built in.
 pub(in crate::presets) fn all() -> impl Iterator<Item = &'static Key> {
-    let is_own = |name: &str| OWN.binary_search_by(|key| key.name.cmp(name)).is_ok();
+    let is_own = |name: &str| keys::in_order(OWN, name).is_some();
     let shared = keys::KEYS.iter().filter(move |key| !is_own(key.name) && !is_prusas(key.name));
     OWN.iter().chain(shared)
 }
