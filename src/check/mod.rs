@@ -59,6 +59,8 @@ pub struct FaultFinder {
     located: bool,
     /// What G92 has moved the file's zero by.
     zero_mm: [f64; 3],
+    /// Axes that are at the end where Makerbot's commands home them, of which G92 says where that is.
+    at_end: [bool; 3],
     /// Where each tool's nozzle is, seen from the first one's, and that of the tool in use.
     offsets_mm: Vec<[f64; 2]>,
     offset_mm: [f64; 2],
@@ -144,6 +146,7 @@ impl FaultFinder {
             in_script: false,
             located: false,
             zero_mm: [0.0; 3],
+            at_end: [false; 3],
             offsets_mm: (0..settings.tools.len())
                 .map(|tool| settings.of_tool(tool).tool.offset.map(|mm| mm.0))
                 .collect(),
@@ -199,22 +202,29 @@ impl FaultFinder {
         }
     }
 
-    /// G92 gives positions other names; homing gives them their own again.
+    /// G92 gives positions other names; homing gives them their own again, or (G161, G162) leaves it to G92 to name them.
     fn follow_zero(&mut self, line: &Line<'_>, before: [f64; 3]) {
         if let Some(code) = line.code.filter(|code| code.letter == b'T') {
             let offset_mm = self.offsets_mm.get(code.number as usize).copied();
             self.offset_mm = offset_mm.unwrap_or(self.offset_mm);
         }
         if line.is(b'G', 92) {
-            for (axis, zero) in self.zero_mm.iter_mut().enumerate() {
-                *zero += before[axis] - self.position[axis];
+            for (axis, letter) in b"XYZ".iter().enumerate() {
+                if names(line, *letter) && std::mem::take(&mut self.at_end[axis]) {
+                    self.zero_mm[axis] = 0.0;
+                } else {
+                    self.zero_mm[axis] += before[axis] - self.position[axis];
+                }
             }
         } else if line.is(b'G', 28) {
             self.located = false;
-            let named = |letter: u8| line.parameters().to_ascii_uppercase().contains(&letter);
-            let all = !b"XYZ".iter().any(|letter| named(*letter));
+            let all = !b"XYZ".iter().any(|letter| names(line, *letter));
             for (zero, letter) in self.zero_mm.iter_mut().zip(*b"XYZ") {
-                *zero = if all || named(letter) { 0.0 } else { *zero };
+                *zero = if all || names(line, letter) { 0.0 } else { *zero };
+            }
+        } else if line.is(b'G', 161) || line.is(b'G', 162) {
+            for (at_end, letter) in self.at_end.iter_mut().zip(*b"XYZ") {
+                *at_end |= names(line, letter);
             }
         }
     }
@@ -226,6 +236,11 @@ impl FaultFinder {
         }
         self.found
     }
+}
+
+/// Whether a line names an axis, with or without a number.
+fn names(line: &Line<'_>, axis: u8) -> bool {
+    line.parameters().to_ascii_uppercase().contains(&axis)
 }
 
 /// What a comment says that follows, as PrusaSlicer, OrcaSlicer and Bambu Studio mark it.

@@ -127,6 +127,13 @@ fn each_planted_fault_is_found_and_no_other() {
 }
 
 #[test]
+fn after_makerbots_homing_the_nozzle_is_where_g92_says() {
+    let homed = replaced("G28", "G28\nG0 X20 Y20 Z10 F3000\nG162 X Y F3000\nG161 Z F450\nG92 X240 Y240 Z0");
+    let report = report(homed, &Settings::default());
+    assert!(!kinds(&report).contains(&Kind::OutsideBed), "{report}");
+}
+
+#[test]
 fn a_fault_is_told_with_its_line_and_layer_and_many_of_a_kind_are_one() {
     let text = before_layer(4, &["G0 X251", "G0 X252", "G0 X253", "G0 X254", "G0 X255", "G0 X256", "G0 X10"]);
     let report = report(&text, &Settings::default());

@@ -56,8 +56,8 @@ pub fn medial_axis(region: &Region, min_mm: f64, max_mm: f64, tip: f64) -> Vec<M
 /// As [`medial_axis`], for the parts of a region inside `area`, such as its narrow parts.
 ///
 /// The lines are cut out of those of the region. So a neck has its line along it, however short it is, where the neck alone
-/// might be wider than long. They end where they leave the area; lines shorter than 0.2 mm reach out of it instead. Where all this covers less than half of a part, as at flat ends, it
-/// gets its own middle lines, if they cover more.
+/// might be wider than long. They end where they leave the area; lines shorter than 0.2 mm reach out of it instead. Where all
+/// this covers less than half of a part, as at flat ends, it gets its own middle lines, if they cover more.
 pub fn medial_axis_in(
     area: &Region,
     region: &Region,
