@@ -210,21 +210,21 @@ impl FaultFinder {
         }
         if line.is(b'G', 92) {
             for (axis, letter) in b"XYZ".iter().enumerate() {
-                if names(line, *letter) && std::mem::take(&mut self.at_end[axis]) {
-                    self.zero_mm[axis] = 0.0;
+                if self.at_end[axis] && line.names(*letter) {
+                    (self.zero_mm[axis], self.at_end[axis]) = (0.0, false);
                 } else {
                     self.zero_mm[axis] += before[axis] - self.position[axis];
                 }
             }
         } else if line.is(b'G', 28) {
             self.located = false;
-            let all = !b"XYZ".iter().any(|letter| names(line, *letter));
+            let all = !b"XYZ".iter().any(|letter| line.names(*letter));
             for (zero, letter) in self.zero_mm.iter_mut().zip(*b"XYZ") {
-                *zero = if all || names(line, letter) { 0.0 } else { *zero };
+                *zero = if all || line.names(letter) { 0.0 } else { *zero };
             }
         } else if line.is(b'G', 161) || line.is(b'G', 162) {
             for (at_end, letter) in self.at_end.iter_mut().zip(*b"XYZ") {
-                *at_end |= names(line, letter);
+                *at_end |= line.names(letter);
             }
         }
     }
@@ -236,11 +236,6 @@ impl FaultFinder {
         }
         self.found
     }
-}
-
-/// Whether a line names an axis, with or without a number.
-fn names(line: &Line<'_>, axis: u8) -> bool {
-    line.parameters().to_ascii_uppercase().contains(&axis)
 }
 
 /// What a comment says that follows, as PrusaSlicer, OrcaSlicer and Bambu Studio mark it.

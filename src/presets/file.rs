@@ -110,20 +110,17 @@ impl Config {
     }
 
     /// Of SuperSlicer, in PrusaSlicer's words.
-    fn of_superslicer(mut self) -> Self {
+    fn of_superslicer(self) -> Self {
         if self.dialect == Dialect::Super {
             return self;
         }
-        let written = std::mem::take(&mut self.entries);
         let mut own = Self { dialect: Dialect::Super, of_object: self.of_object, ..Self::default() };
-        for (key, entry) in written {
-            let value = self.lists.get(&key).map_or(entry.value, |(_, all)| all.clone());
-            let (name, value) = match superslicer::renamed(&key, &value) {
-                Some((name, other)) => (name.to_owned(), other.map_or(value, str::to_owned)),
-                None => (key, value),
-            };
-            let kind = superslicer::find_key(&name).map(|key| key.kind);
-            own.set_both(&name, &value, kind, entry.place);
+        let said = self.entries.iter().map(|(key, entry)| {
+            let value = self.lists.get(key).map_or(&entry.value, |(_, all)| all);
+            (key.as_str(), value.as_str(), &entry.place)
+        });
+        for (key, value, place) in superslicer::called_today(said) {
+            own.set_both(key, value, superslicer::find_key(key).map(|key| key.kind), place.clone());
         }
         superslicer::translate(&mut own);
         own

@@ -119,7 +119,9 @@ impl Prusa {
             found.extend(self.bundles.values(preset)?.into_iter().map(|found| (found.key, found)));
         }
         if config.dialect == Dialect::Super {
-            found = as_called_today(found);
+            let said = found.into_values().map(|Found { key, value, place }| (key, value, place));
+            let today = superslicer::called_today(said).into_iter();
+            found = today.map(|(key, value, place)| (key, Found { key, value, place })).collect();
         }
         let extruders = found.get("nozzle_diameter").map_or(1, |found| extruders(found.value));
         if built_in {
@@ -304,19 +306,6 @@ fn find_key(dialect: Dialect, name: &str) -> Option<&'static Key> {
         Dialect::Super => superslicer::find_key(name),
         _ => keys::find(name),
     }
-}
-
-/// Values under the names that SuperSlicer has for them today; those that a preset has under both are as the newer one says.
-fn as_called_today<'a>(found: BTreeMap<&'a str, Found<'a>>) -> BTreeMap<&'a str, Found<'a>> {
-    let mut today = BTreeMap::new();
-    let (older, newer): (Vec<_>, Vec<_>) =
-        found.into_iter().partition(|(key, found)| superslicer::renamed(key, found.value).is_some());
-    for (key, found) in older {
-        let Some((name, value)) = superslicer::renamed(key, found.value) else { continue };
-        today.insert(name, Found { key: name, value: value.unwrap_or(found.value), ..found });
-    }
-    today.extend(newer);
-    today
 }
 
 /// How many extruders nozzles are of.

@@ -105,6 +105,11 @@ impl<'a> Line<'a> {
         self.parameters
     }
 
+    /// Whether an axis, by its capital letter, is named, with or without a number.
+    pub fn names(&self, axis: u8) -> bool {
+        self.parameters.iter().any(|byte| byte.to_ascii_uppercase() == axis)
+    }
+
     /// The command's parameters.
     #[inline]
     pub fn words(&self) -> Words {

@@ -209,7 +209,7 @@ impl State {
             }
             (b'G', 20) => self.scale = 25.4,
             (b'G', 21) => self.scale = 1.0,
-            (b'G', 28) if !names_axis(line.text) => self.position = [0.0; 3],
+            (b'G', 28) if !b"XYZ".iter().any(|axis| line.names(*axis)) => self.position = [0.0; 3],
             (b'G', 90 | 91) => {
                 self.absolute = code.number == 90;
                 self.e_absolute = self.absolute;
@@ -320,12 +320,6 @@ impl State {
         let side = if clockwise == (radius > 0.0) { 1.0 } else { -1.0 };
         [(from[0] + to[0]) / 2.0 + side * dy * offset, (from[1] + to[1]) / 2.0 - side * dx * offset]
     }
-}
-
-/// Whether a G28 is given axes, with or without numbers.
-fn names_axis(text: &[u8]) -> bool {
-    let code = text.split(|b| *b == b';').next().unwrap_or_default();
-    code.iter().any(|b| matches!(b.to_ascii_uppercase(), b'X' | b'Y' | b'Z'))
 }
 
 #[cfg(test)]

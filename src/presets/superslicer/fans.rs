@@ -31,33 +31,17 @@ pub(super) fn translate(config: &mut Config) {
         }
         config.forget("overhangs_fan_speed");
     }
-    for key in ["temperature", "first_layer_temperature"] {
-        warmer(config, key);
-    }
-    config.forget("extruder_temperature_offset");
+    warmer(config);
 }
 
 /// Adds what each hot end needs more than its filament says.
-fn warmer(config: &mut Config, key: &str) {
+fn warmer(config: &mut Config) {
     let Some(more) = config.numbers_of_extruders("extruder_temperature_offset") else { return };
-    let (Some(own), Some(place)) = (config.numbers_of_extruders(key), config.place(key)) else { return };
-    if more.iter().all(|more| *more == 0.0) {
-        return;
+    let of = |extruder: usize| more.get(extruder).or(more.first()).copied().unwrap_or(0.0);
+    for key in ["temperature", "first_layer_temperature"] {
+        config.say_each(key, |extruder, own| if own > 0.0 { own + of(extruder) } else { own });
     }
-    let warm = own.iter().enumerate().map(|(extruder, own)| {
-        let more = more.get(extruder).or(more.first()).copied().unwrap_or(0.0);
-        written(if *own > 0.0 { own + more } else { *own })
-    });
-    let warm: Vec<String> = warm.collect();
-    config.say_at(key, &warm.join(","), place);
-}
-
-impl Config {
-    /// The numbers of all extruders.
-    fn numbers_of_extruders(&self, key: &str) -> Option<Vec<f64>> {
-        let (_, written) = self.lists.get(key)?;
-        written.split(',').map(|number| number.trim().parse().ok()).collect()
-    }
+    config.forget("extruder_temperature_offset");
 }
 
 #[cfg(test)]

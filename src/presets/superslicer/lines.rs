@@ -7,11 +7,9 @@ use crate::presets::config::Config;
 /// Widths of automatic lines, as shares of the nozzle: walls that are seen, and others.
 const AUTOMATIC: [f64; 2] = [1.05, 1.125];
 
-/// Lengths that may be percentages of the nozzle.
-const OF_NOZZLE: [&str; 7] = [
+/// Lengths of the print that may be percentages of the nozzle.
+const OF_NOZZLE: [&str; 5] = [
     "first_layer_height",
-    "min_layer_height",
-    "max_layer_height",
     "fuzzy_skin_thickness",
     "fuzzy_skin_point_dist",
     "support_material_contact_distance",

@@ -21,8 +21,22 @@ pub(super) fn is_own_line(key: &str, value: &str) -> bool {
 
 const NOZZLE_OFFSET: &str = "extruder_temperature_offset";
 
+/// Keys and values by the names of today, those that were older first: of a key under both names the newer one says it.
+pub(super) fn called_today<'a, T>(
+    said: impl Iterator<Item = (&'a str, &'a str, T)>,
+) -> Vec<(&'a str, &'a str, T)> {
+    let mut today: Vec<(bool, (&str, &str, T))> = said
+        .map(|(key, value, more)| match renamed(key, value) {
+            Some((name, other)) => (false, (name, other.unwrap_or(value), more)),
+            None => (true, (key, value, more)),
+        })
+        .collect();
+    today.sort_by_key(|(is_new, _)| *is_new);
+    today.into_iter().map(|(_, said)| said).collect()
+}
+
 /// What an older key is called now, and its value, where that is another, too.
-pub(super) fn renamed(key: &str, value: &str) -> Option<(&'static str, Option<&'static str>)> {
+fn renamed(key: &str, value: &str) -> Option<(&'static str, Option<&'static str>)> {
     let is_on = value == "1";
     let either = |on: &'static str, off: &'static str| Some(if is_on { on } else { off });
     Some(match key {
@@ -57,6 +71,22 @@ impl Config {
         if let (Some(value), Some(place)) = (value, self.place(from)) {
             self.say_at(key, &written(value), place);
         }
+    }
+
+    /// Says the number of each extruder anew, from its index and what it was. Whether there were any.
+    fn say_each(&mut self, key: &str, value: impl Fn(usize, f64) -> f64) -> bool {
+        let (Some(own), Some(place)) = (self.numbers_of_extruders(key), self.place(key)) else {
+            return false;
+        };
+        let said: Vec<String> = own.into_iter().enumerate().map(|(i, own)| written(value(i, own))).collect();
+        self.say_at(key, &said.join(","), place);
+        true
+    }
+
+    /// The numbers of all extruders.
+    fn numbers_of_extruders(&self, key: &str) -> Option<Vec<f64>> {
+        let (_, written) = self.lists.get(key)?;
+        written.split(',').map(|number| number.trim().parse().ok()).collect()
     }
 
     fn say_at(&mut self, key: &str, value: &str, place: Place) {

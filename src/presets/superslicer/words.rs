@@ -1,6 +1,5 @@
 //! Words and switches.
 
-use super::written;
 use crate::presets::config::Config;
 
 /// Keys that PrusaSlicer, or the rest of its kin, has under another name.
@@ -121,17 +120,11 @@ fn support(config: &mut Config) {
     }
 }
 
+/// What a print extrudes more is so for each filament.
 fn flows(config: &mut Config) {
-    let all = config.number_of("print_extrusion_multiplier", Some(1.0));
-    if let (Some(all), Some((kind, own)), Some(place)) =
-        (all, config.lists.get("extrusion_multiplier").cloned(), config.place("extrusion_multiplier"))
-    {
-        let of_each: Option<Vec<String>> =
-            own.split(',').map(|own| Some(written(own.trim().parse::<f64>().ok()? * all))).collect();
-        if let Some(of_each) = of_each {
-            config.set_known("extrusion_multiplier", &of_each.join(","), kind, place);
-            config.forget("print_extrusion_multiplier");
-        }
+    let Some(all) = config.number_of("print_extrusion_multiplier", Some(1.0)) else { return };
+    if config.say_each("extrusion_multiplier", |_, own| own * all) {
+        config.forget("print_extrusion_multiplier");
     }
 }
 

@@ -38,6 +38,12 @@ impl Directions {
         Some(Self { run_of, begins, stages: model.stages() })
     }
 
+    /// The arc that a link from an item to another is.
+    fn arc(&self, items: [u32; 2], price: i64, fares: &Fares) -> Arc {
+        let [tail, head] = items.map(|item| self.run_of[item as usize]);
+        arc(tail, head, price, fares)
+    }
+
     pub(super) fn count(&self) -> usize {
         self.begins.len()
     }
@@ -55,8 +61,7 @@ impl Directions {
         for &(price, k) in keys {
             let [i, j] = links[k as usize].items(model);
             let [from, to] = if model.leads(i, j) { [i, j] } else { [j, i] };
-            let [tail, head] = [from, to].map(|item| self.run_of[item as usize]);
-            let arc = arc(tail, head, price, fares);
+            let arc = self.arc([from, to], price, fares);
             let best = &mut best[model.bodies[from as usize].groups[0] as usize];
             if best.is_none_or(|best| (arc.price, k) < (best.0, best.1)) {
                 *best = Some((arc.price, k, arc));
@@ -77,12 +82,10 @@ impl Directions {
         let mut arcs = Vec::with_capacity(2 * keys.len() + self.count());
         let mut numbers = Vec::with_capacity(2 * keys.len());
         for &(price, k) in keys {
-            let Link { a, b, .. } = links[k as usize];
-            let [i, j] = [a, b].map(|t| model.terminals[t as usize].item);
+            let [i, j] = links[k as usize].items(model);
             for (from, to) in [(i, j), (j, i)] {
                 if model.leads(from, to) {
-                    let [tail, head] = [from, to].map(|item| self.run_of[item as usize]);
-                    arcs.push(arc(tail, head, price, fares));
+                    arcs.push(self.arc([from, to], price, fares));
                     numbers.push(k);
                 }
             }
