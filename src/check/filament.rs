@@ -27,12 +27,14 @@ pub(super) struct Filament {
     purging: bool,
     /// Whether G10 or G11 has been seen.
     firmware: bool,
+    /// Whether the last move was a bead.
+    drawing: bool,
 }
 
 /// What holds for a tool.
 #[derive(Clone, Copy)]
 struct Tool {
-    /// Extra filament unretracted on purpose.
+    /// Extra filament unretracted on purpose; negative: less.
     extra_mm: f64,
     area_mm2: f64,
     /// Flow that the hot end melts, mm³/s; infinite where it is not known.
@@ -45,7 +47,7 @@ impl Tool {
     fn new(settings: &Settings) -> Self {
         let max_flow = settings.filament.max_flow.0;
         Self {
-            extra_mm: settings.retract.extra.0.max(0.0),
+            extra_mm: settings.retract.extra.0,
             area_mm2: settings.filament.area_mm2(),
             max_flow: if max_flow > 0.0 { max_flow } else { f64::INFINITY },
             ramming: settings.swap.ramming.iter().copied().fold(0.0, f64::max),
@@ -62,6 +64,7 @@ impl Filament {
             flow: 1.0,
             purging: false,
             firmware: false,
+            drawing: false,
         }
     }
 
@@ -72,12 +75,15 @@ impl Filament {
         } else if stroke.extrudes() {
             self.purging = false;
             let back_mm = seen.retracted_mm;
-            if back_mm > SLACK_MM || seen.firmware_retracted {
+            if seen.firmware_retracted || seen.is_retracted && back_mm > SLACK_MM {
                 let how = if seen.firmware_retracted { "by G10".into() } else { format!("{back_mm:.3} mm") };
                 seen.fault(found, Kind::RetractedExtrusion, || format!("pulled back {how}: {}", seen.text()));
+            } else if back_mm > SLACK_MM - self.tool.extra_mm.min(0.0) && !self.drawing {
+                let short = || format!("{back_mm:.3} mm less than was pulled back: {}", seen.text());
+                seen.fault(found, Kind::UnbalancedRetraction, short);
             }
             self.flow(stroke, seen, found);
-        } else if stroke.fresh_mm > SLACK_MM + self.tool.extra_mm && seen.begun && !self.purging {
+        } else if stroke.fresh_mm > SLACK_MM + self.tool.extra_mm.max(0.0) && seen.begun && !self.purging {
             let fresh_mm = stroke.fresh_mm;
             let (kind, beyond) = match seen.retracted_mm > SLACK_MM {
                 true => (Kind::UnbalancedRetraction, " beyond what was pulled back"),
@@ -85,6 +91,7 @@ impl Filament {
             };
             seen.fault(found, kind, || format!("{fresh_mm:.4} mm{beyond}: {}", seen.text()));
         }
+        self.drawing = stroke.extrudes();
     }
 
     fn flow(&mut self, bead: &Stroke, seen: &LineContext<'_>, found: &mut Found) {

@@ -68,6 +68,7 @@ pub struct FaultFinder {
     position: [f64; 3],
     retracted_mm: f64,
     firmware_retracted: bool,
+    is_retracted: bool,
     moves: usize,
     layers: usize,
 }
@@ -94,7 +95,8 @@ impl Checker {
     pub fn forget_retraction(&mut self) {
         self.reader.state.retracted_mm = 0.0;
         self.reader.state.firmware_retracted = false;
-        (self.finder.retracted_mm, self.finder.firmware_retracted) = (0.0, false);
+        self.finder.retracted_mm = 0.0;
+        (self.finder.firmware_retracted, self.finder.is_retracted) = (false, false);
     }
 
     /// Takes the lines of a text, which continues where the last one ended. It ends with a whole line.
@@ -154,6 +156,7 @@ impl FaultFinder {
             position: [0.0; 3],
             retracted_mm: 0.0,
             firmware_retracted: false,
+            is_retracted: false,
             moves: 0,
             layers: 0,
         }
@@ -165,6 +168,7 @@ impl FaultFinder {
         let before = std::mem::replace(&mut self.position, state.position);
         let retracted_mm = std::mem::replace(&mut self.retracted_mm, state.retracted_mm);
         let firmware_retracted = std::mem::replace(&mut self.firmware_retracted, state.firmware_retracted);
+        let is_retracted = std::mem::replace(&mut self.is_retracted, state.is_retracted());
         self.follow_zero(&read.line, before);
         if let Some(name) = read.line.comment.and_then(type_name) {
             self.in_script = name == b"Custom";
@@ -188,6 +192,7 @@ impl FaultFinder {
             state,
             retracted_mm,
             firmware_retracted,
+            is_retracted,
             begun: self.begun,
             in_script: self.in_script,
             located: self.located,

@@ -15,6 +15,8 @@ pub(super) struct LineContext<'a> {
     pub retracted_mm: f64,
     /// Whether it was retracted by G10 before the line.
     pub firmware_retracted: bool,
+    /// Whether it was retracted before the line, and not just [pushed forward less](State::is_retracted).
+    pub is_retracted: bool,
     /// Whether a bead has been printed before or by this line.
     pub begun: bool,
     /// Whether the line is marked as a script's, which may purge beside the bed, in place and faster than a bead.

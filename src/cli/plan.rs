@@ -327,6 +327,15 @@ pub(super) fn asks_for_cost(args: &SettingArgs, ordering: &OrderingArgs) -> bool
     ordering.cost.is_some() || sets(args, "order.cost")
 }
 
+/// The error of a package with G-code that would have to be made anew.
+pub(super) fn no_package(path: &Path) -> Failure {
+    usage(format!(
+        "{}: a package is read and reordered, but not made anew, as printers check more in it than is known; \
+         name a .gcode file",
+        path.display()
+    ))
+}
+
 /// Whether `--set` names a key.
 pub(super) fn sets(args: &SettingArgs, key: &str) -> bool {
     args.set.iter().any(|set| set.key == key)

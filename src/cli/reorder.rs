@@ -9,7 +9,7 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::plan;
 use super::watch::Watch;
-use crate::gcode::{self, BinaryMetadata};
+use crate::gcode::{self, BinaryMetadata, Parts};
 use crate::job::{Engine, ReorderJob};
 use crate::observer::Observer;
 use crate::output::Output;
@@ -89,14 +89,26 @@ fn reorder(
     engine: &dyn Engine,
     watch: &Watch,
 ) -> Result<Reordered, Failure> {
+    let form = Form::of_file(file);
     // In place a file stays what it is, whatever its name.
-    let is_binary = gcode::is_binary(file);
-    let to_binary = |path: &Path| if args.in_place { is_binary } else { gcode::is_binary_name(path) };
+    let to = |path: &Path| if args.in_place { form } else { Form::of_name(path) };
+    let parts = match form {
+        Form::Package => Some(Parts::of(file).map_err(|error| unreadable(file, &error))?),
+        _ => None,
+    };
+    if let (Destination::File(path), None) = (destination, &parts)
+        && to(path) == Form::Package
+    {
+        return Err(plan::no_package(path));
+    }
     let create = || match destination {
         Destination::Nowhere => Output::nowhere(),
         Destination::Stdout => Ok(Output::stdout()),
-        Destination::File(path) if to_binary(path) => Output::create_binary(path, BinaryMetadata::default()),
-        Destination::File(path) => Output::create(path),
+        Destination::File(path) => match to(path) {
+            Form::Text => Output::create(path),
+            Form::Binary => Output::create_binary(path, BinaryMetadata::default()),
+            Form::Package => Output::create_package(path, parts.clone().unwrap_or_default()),
+        },
     };
     let mut output = create()?;
     let job = ReorderJob {
@@ -118,8 +130,8 @@ fn reorder(
         _ if in_place => {}
         _ => {
             let as_it_is = match destination {
-                Destination::File(path) => to_binary(path) == is_binary,
-                _ => !is_binary,
+                Destination::File(path) => to(path) == form,
+                _ => form == Form::Text,
             };
             let mut copy = match destination {
                 // The same bytes as before.
@@ -133,9 +145,39 @@ fn reorder(
     Ok(report)
 }
 
+fn unreadable(file: &Path, error: &io::Error) -> Failure {
+    Failure::new(Exit::Input, format!("{}: {error}", file.display()))
+}
+
+/// How a file holds G-code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Text,
+    Binary,
+    Package,
+}
+
+impl Form {
+    fn of_file(file: &Path) -> Self {
+        match () {
+            () if gcode::is_binary(file) => Self::Binary,
+            () if gcode::is_package(file) => Self::Package,
+            () => Self::Text,
+        }
+    }
+
+    fn of_name(path: &Path) -> Self {
+        match () {
+            () if gcode::is_binary_name(path) => Self::Binary,
+            () if gcode::is_package_name(path) => Self::Package,
+            () => Self::Text,
+        }
+    }
+}
+
 /// A file piece by piece: its bytes as they are, or its text.
 fn copy_to(file: &Path, as_it_is: bool, copy: &mut Output) -> Result<(), Failure> {
-    let failed = |error: io::Error| Failure::new(Exit::Input, format!("{}: {error}", file.display()));
+    let failed = |error: io::Error| unreadable(file, &error);
     let mut input: Box<dyn BufRead> = match as_it_is {
         true => Box::new(BufReader::with_capacity(1 << 18, fs::File::open(file).map_err(failed)?)),
         false => Box::new(gcode::open(file).map_err(failed)?),

@@ -9,10 +9,10 @@ use std::sync::Arc;
 use super::args::SliceArgs;
 use super::console::{self, Bar};
 use super::exit::{Exit, Failure, usage};
-use super::plan::{Destination, Plan, Plate, Task, named};
+use super::plan::{Destination, Plan, Plate, Task, named, no_package};
 use super::projects;
 use super::watch::Watch;
-use crate::gcode::is_binary_name;
+use crate::gcode::{is_binary_name, is_package_name};
 use crate::job::Engine;
 use crate::observer::Observer;
 use crate::output::Output;
@@ -110,6 +110,7 @@ fn slice(
         Destination::File(path) if is_binary_name(path) => {
             Output::create_binary(path, binary_metadata(settings))?
         }
+        Destination::File(path) if is_package_name(path) => return Err(no_package(path)),
         Destination::File(path) => Output::create(path)?,
     };
     let bar = Bar::on_terminal(!args.quiet && !args.no_progress);

@@ -46,8 +46,12 @@ pub(super) fn run(args: &TimeArgs) -> Result<Exit, Failure> {
 }
 
 fn read(path: &Path, machine: &Machine) -> io::Result<Timetable> {
-    if path == Path::new("-") {
-        return Timetable::read(gcode::open_stream(io::stdin().lock())?, machine);
+    let times = match path == Path::new("-") {
+        true => Timetable::read(gcode::open_stream(io::stdin().lock())?, machine)?,
+        false => Timetable::read(gcode::open(path)?, machine)?,
+    };
+    match times.layers() == 0 && times.total_s() == 0.0 {
+        true => Err(io::Error::other("there are no moves in it; is it G-code?")),
+        false => Ok(times),
     }
-    Timetable::read(gcode::open(path)?, machine)
 }

@@ -1,10 +1,12 @@
-//! G-code where it comes from, as text or binary: read as text either way.
+//! G-code where it comes from, as text, binary or in a package: read as text in any case.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
 use bgcode::{MAGIC, Text};
+
+use super::package;
 
 /// Size of the buffer in front of a file.
 const BUFFER_BYTES: usize = 1 << 18;
@@ -13,6 +15,9 @@ const ENDINGS: [&str; 6] = ["gcode", "gco", "gc", "g", "nc", "ngc"];
 /// Endings of files with binary G-code.
 const BINARY_ENDINGS: [&str; 2] = ["bgcode", "bgc"];
 
+/// The ending of packages with G-code.
+const PACKAGE_ENDING: &str = ".gcode.3mf";
+
 /// What G-code is read from.
 pub(crate) trait Input: BufRead + Seek + Send {}
 
@@ -20,7 +25,7 @@ impl<T: BufRead + Seek + Send> Input for T {}
 
 /// Whether a file has G-code: by its name, or because it begins as binary G-code does.
 pub fn is_gcode(path: &Path) -> bool {
-    has_ending(path, &ENDINGS) || is_binary_name(path) || is_binary(path)
+    has_ending(path, &ENDINGS) || is_binary_name(path) || is_package_name(path) || is_binary(path)
 }
 
 /// Whether a name is that of a file with binary G-code.
@@ -28,11 +33,25 @@ pub fn is_binary_name(path: &Path) -> bool {
     has_ending(path, &BINARY_ENDINGS)
 }
 
+/// Whether a name is that of a package with G-code.
+pub fn is_package_name(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(PACKAGE_ENDING))
+}
+
 /// Whether a file begins as binary G-code does.
 pub(crate) fn is_binary(path: &Path) -> bool {
+    begins(path, begins_binary)
+}
+
+/// Whether a file begins as a package, or any other ZIP, does.
+pub(crate) fn is_package(path: &Path) -> bool {
+    begins(path, package::begins_package)
+}
+
+fn begins(path: &Path, how: fn(&mut File) -> io::Result<bool>) -> bool {
     // A pipe cannot be looked into twice.
     let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
-    is_file && File::open(path).and_then(|mut file| begins_binary(&mut file)).unwrap_or(false)
+    is_file && File::open(path).and_then(|mut file| how(&mut file)).unwrap_or(false)
 }
 
 fn has_ending(path: &Path, endings: &[&str]) -> bool {
@@ -48,6 +67,9 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Input>> {
     if is_binary(path) {
         return Ok(Box::new(Text::open(BufReader::new(file))?));
     }
+    if is_package(path) {
+        return Ok(Box::new(package::open(BufReader::new(file))?));
+    }
     Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, file)))
 }
 
@@ -56,13 +78,16 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Input>> {
 /// # Errors
 /// It is damaged.
 pub(crate) fn open_bytes(bytes: &[u8]) -> io::Result<Box<dyn Input + '_>> {
-    Ok(match bytes.starts_with(&MAGIC) {
-        true => Box::new(Text::open(Cursor::new(bytes))?),
-        false => Box::new(Cursor::new(bytes)),
-    })
+    if bytes.starts_with(&MAGIC) {
+        return Ok(Box::new(Text::open(Cursor::new(bytes))?));
+    }
+    if package::begins_package(&mut &bytes[..])? {
+        return Ok(Box::new(package::open(Cursor::new(bytes))?));
+    }
+    Ok(Box::new(Cursor::new(bytes)))
 }
 
-/// Begins reading G-code that comes once. What is binary is held in memory.
+/// Begins reading G-code that comes once. What is binary, or in a package, is held in memory.
 ///
 /// # Errors
 /// As the system says; or it is damaged.
@@ -70,14 +95,19 @@ pub(crate) fn open_bytes(bytes: &[u8]) -> io::Result<Box<dyn Input + '_>> {
 pub(crate) fn open_stream<'a>(mut stream: impl Read + 'a) -> io::Result<Box<dyn Read + 'a>> {
     let mut begin = Vec::new();
     stream.by_ref().take(MAGIC.len() as u64).read_to_end(&mut begin)?;
-    if begin != MAGIC {
+    let is_package = package::begins_package(&mut &begin[..])?;
+    if begin != MAGIC && !is_package {
         return Ok(Box::new(Cursor::new(begin).chain(stream)));
     }
     stream.read_to_end(&mut begin)?;
-    Ok(Box::new(Text::open(Cursor::new(begin))?))
+    Ok(if is_package {
+        Box::new(package::open(Cursor::new(begin))?)
+    } else {
+        Box::new(Text::open(Cursor::new(begin))?)
+    })
 }
 
-pub(crate) fn begins_binary(file: &mut impl Read) -> io::Result<bool> {
+pub(crate) fn begins_binary<R: Read>(file: &mut R) -> io::Result<bool> {
     let mut begin = Vec::new();
     file.take(MAGIC.len() as u64).read_to_end(&mut begin)?;
     Ok(begin == MAGIC)

@@ -19,7 +19,7 @@ use file::{Opened, Pending, Stream};
 pub use file::{abandon_and_exit, resolve_links};
 
 #[cfg(feature = "cli")]
-use crate::gcode::{self, BinaryMetadata};
+use crate::gcode::{self, BinaryMetadata, Parts};
 
 /// An operation on an output that failed.
 #[derive(Debug, thiserror::Error)]
@@ -53,17 +53,26 @@ pub struct Output {
     name: String,
     written: u64,
     sink: Sink,
-    /// What is written is text for a binary file.
+    /// What is written is text for a file of another form.
     #[cfg(feature = "cli")]
-    binary: Option<Box<Binary>>,
+    packed: Option<Box<Packed>>,
 }
 
-/// A binary file that is made of what is written, when it is complete.
+/// A file that is made of what is written, when it is complete.
 #[cfg(feature = "cli")]
 #[derive(Debug)]
-struct Binary {
+struct Packed {
     output: Output,
-    metadata: BinaryMetadata,
+    form: Form,
+}
+
+/// What G-code is packed as.
+#[cfg(feature = "cli")]
+#[derive(Debug)]
+enum Form {
+    Binary(BinaryMetadata),
+    /// With parts beside it.
+    Package(Parts),
 }
 
 #[derive(Debug)]
@@ -88,7 +97,7 @@ impl Output {
             written: 0,
             sink,
             #[cfg(feature = "cli")]
-            binary: None,
+            packed: None,
         }
     }
 
@@ -210,30 +219,47 @@ impl Output {
     /// # Errors
     /// As [`Output::create`].
     pub fn create_binary(path: &Path, metadata: BinaryMetadata) -> Result<Self, OutputError> {
+        Self::create_packed(path, Form::Binary(metadata))
+    }
+
+    /// A package with G-code. What is written is text, as with [`Output::create_binary`]. `parts`: what else is in the package.
+    ///
+    /// # Errors
+    /// As [`Output::create`].
+    pub(crate) fn create_package(path: &Path, parts: Parts) -> Result<Self, OutputError> {
+        Self::create_packed(path, Form::Package(parts))
+    }
+
+    fn create_packed(path: &Path, form: Form) -> Result<Self, OutputError> {
         let output = Self::create(path)?;
         let folder = match &output.sink {
             Sink::File(file) => file.folder(),
             _ => std::env::temp_dir(),
         };
         let text = Self::temporary(&folder, output.name.clone())?;
-        Ok(Self { binary: Some(Box::new(Binary { output, metadata })), ..text })
+        Ok(Self { packed: Some(Box::new(Packed { output, form })), ..text })
     }
 
-    /// Makes the binary file of the text.
-    fn packed(mut self, binary: Binary) -> Result<Self, OutputError> {
-        let Binary { mut output, metadata } = binary;
+    /// Makes the file of the text.
+    fn pack(mut self, packed: Packed) -> Result<Self, OutputError> {
+        let Packed { mut output, form } = packed;
         let name = self.name.clone();
         let failed = |source: io::Error| OutputError { path: name.clone(), source };
-        let contents = gcode::contents(self.reread(0)?, &metadata).map_err(failed)?;
-        let text = self.reread(0)?;
-        gcode::pack_text(&contents, text, &mut Appending(&mut output)).map_err(failed)?;
+        match &form {
+            Form::Binary(metadata) => {
+                let contents = gcode::contents(self.reread(0)?, metadata).map_err(failed)?;
+                gcode::pack_text(&contents, self.reread(0)?, &mut Appending(&mut output))
+            }
+            Form::Package(parts) => gcode::write_package(parts, self.reread(0)?, &mut Appending(&mut output)),
+        }
+        .map_err(failed)?;
         Ok(output)
     }
 
     /// Gives the file another name in its folder, which the complete output moves to; nothing else has one.
     pub fn rename(&mut self, name: &str) {
-        match &mut self.binary {
-            Some(binary) => binary.output.rename(name),
+        match &mut self.packed {
+            Some(packed) => packed.output.rename(name),
             None => {
                 if let Sink::File(file) = &mut self.sink {
                     self.name = file.retarget(name).display().to_string();
@@ -247,8 +273,8 @@ impl Output {
     /// # Errors
     /// As [`Output::write`]; then the file at the path is as it was before.
     pub fn commit(mut self) -> Result<(), OutputError> {
-        if let Some(binary) = self.binary.take() {
-            return self.packed(*binary)?.commit();
+        if let Some(packed) = self.packed.take() {
+            return self.pack(*packed)?.commit();
         }
         let done = match self.sink {
             Sink::Memory(_) => Ok(()),

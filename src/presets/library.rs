@@ -56,7 +56,7 @@ struct Way {
 const WAYS: [Way; 3] = [
     Way {
         dialects: &[Dialect::Prusa, Dialect::Super],
-        is_of_name: |name| !name.ends_with(".json"),
+        is_of_name: |name| !name.ends_with(".json") && !cura::is_file(name),
         read: |files, sources, problems| Box::new(Prusa::read(files, sources, problems)),
     },
     Way {

@@ -25,6 +25,12 @@ const ROUND_MM: f64 = 0.05;
 /// More filament fed than was retracted is priming and stays where it is, mm.
 const PRIMING_MM: f64 = 0.5;
 
+/// Whether a comment of KISSlicer is about more than the path at hand: `*** … ***`, `END_LAYER_OBJECT`.
+fn is_section(comment: &[u8]) -> bool {
+    let text = comment.trim_ascii();
+    text.starts_with(b"***") || text.starts_with(b"END_LAYER_OBJECT")
+}
+
 /// Reads blocks.
 pub struct Blocks<R> {
     input: R,
@@ -41,6 +47,8 @@ pub struct Blocks<R> {
     unit: Option<f64>,
     /// The name of the feature, if it is one that is known, or none was given.
     movable: bool,
+    /// Whether features come in quotes: KISSlicer says of every path, in comments of all kinds, how it is drawn.
+    kisslicer: bool,
     block: Block,
     /// What was read so far, where a proof is wanted.
     inventory: Option<Inventory>,
@@ -87,6 +95,7 @@ impl<R: BufRead> Blocks<R> {
             begun: false,
             unit: None,
             movable: true,
+            kisslicer: false,
             block: empty(start, frame, States::default()),
             inventory: None,
             pending: Vec::new(),
@@ -143,7 +152,7 @@ impl<R: BufRead> Blocks<R> {
     /// Processes a line; returns a block that it ends.
     fn line(&mut self, range: Range<usize>) -> Option<Block> {
         let state = &self.reader.state;
-        let retracted = state.firmware_retracted || state.retracted_mm > 1e-6;
+        let retracted = state.is_retracted();
         let e = ticks(in_units(state.e, state.scale));
         let before = Before { scale: state.scale, retracted, doubtful: state.e_doubtful, e };
         let slice = Slice { start: range.start as u32, len: range.len() as u32 };
@@ -152,7 +161,7 @@ impl<R: BufRead> Blocks<R> {
         self.offset += range.len();
         let read = self.reader.read(line);
         if let Some(inventory) = &mut self.inventory {
-            inventory.add(&read, self.reader.state.firmware_retracted);
+            inventory.add(&read, &self.reader.state);
         }
         let stroke = match read.action {
             Action::Stroke(stroke) => Some(stroke),
@@ -204,7 +213,10 @@ impl<R: BufRead> Blocks<R> {
         match read.action {
             Action::FirmwareRetract if line.words().is_empty() => return Kind::FirmwareRetract,
             Action::FirmwareUnretract if line.words().is_empty() => return Kind::FirmwareUnretract,
-            Action::Type(_) => self.movable = false,
+            Action::Type(name) => {
+                self.movable = false;
+                self.kisslicer |= name.starts_with(b"'");
+            }
             _ => {}
         }
         if line.is(b'G', 92) && is_plain(line.parameters()) {
@@ -230,6 +242,7 @@ impl<R: BufRead> Blocks<R> {
                     }
                     Some(Mark::Z(_)) => Kind::Mark,
                     _ if matches!(comment.trim_ascii(), b"" | b"WIPE_START" | b"WIPE_END") => Kind::Noise,
+                    None if self.kisslicer && !is_section(comment) => Kind::Noise,
                     _ => Kind::Barrier,
                 },
             };

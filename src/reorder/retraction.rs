@@ -184,7 +184,7 @@ fn seen(block: &Block, tokens: &[Token], length_mm: f64) -> Option<Seen> {
             Kind::Noise => retract.wipe_marks |= token.line.of(&block.text).starts_with(b";WIPE_START"),
             _ => {}
         }
-        if token.to[2] > z && travel.is_none() {
+        if token.to[2] > z && token.kind == Kind::Lift && retract.hop.is_none() {
             retract.hop = Some((token.to[2].saturating_sub(level), token.feed, token.feed));
         } else if token.to[2] < z
             && let Some(hop) = &mut retract.hop

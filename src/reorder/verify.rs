@@ -14,8 +14,8 @@ use crate::estimate::Machine;
 use crate::gcode::{Action, Annotated, Line, Measure, Meter, Reader, State, Stroke};
 use crate::units::Mm;
 
-/// Filament of a layer may differ by this, mm.
-const FILAMENT_MM: f64 = 1e-4;
+/// Beads may begin with this much more filament pulled back than in the file, mm.
+const SHORT_MM: f64 = 1e-4;
 /// Travel may leave the area that the file used by this, mm.
 const AREA_MM: f64 = 1e-3;
 
@@ -114,7 +114,7 @@ impl Readback {
     fn line(&mut self, line: &[u8], also: &mut impl FnMut(&mut Annotated<'_>, &State)) {
         self.number += 1;
         let mut read = self.reader.read(Line::new(self.number, 0, line));
-        self.inventory.add(&read, self.reader.state.firmware_retracted);
+        self.inventory.add(&read, &self.reader.state);
         also(&mut read, &self.reader.state);
     }
 
@@ -137,6 +137,9 @@ pub struct Inventory {
     state: i64,
     low: [f64; 2],
     high: [f64; 2],
+    /// Filament pulled back at the moment, and the most with which a bead begins.
+    retracted_mm: f64,
+    short_mm: f64,
 }
 
 impl Default for Inventory {
@@ -151,6 +154,8 @@ impl Default for Inventory {
             state: 0,
             low: [f64::INFINITY; 2],
             high: [f64::NEG_INFINITY; 2],
+            retracted_mm: 0.0,
+            short_mm: 0.0,
         }
     }
 }
@@ -165,8 +170,9 @@ impl Inventory {
         self.stopwatch.take().map(Stopwatch::finish)
     }
 
-    /// Processes a line. `retracted`: whether filament is retracted by the firmware after it.
-    pub(super) fn add(&mut self, read: &Annotated, retracted: bool) {
+    /// Processes a line. `state`: of the machine after it.
+    pub(super) fn add(&mut self, read: &Annotated, state: &State) {
+        let retracted_mm = std::mem::replace(&mut self.retracted_mm, state.retracted_mm);
         self.meter.add(&read.action);
         if let Some(stopwatch) = &mut self.stopwatch {
             stopwatch.step(read);
@@ -187,8 +193,9 @@ impl Inventory {
                 self.layers.push(std::mem::replace(&mut self.layer, next));
             }
             self.layer.strokes += 1;
-            self.layer.sum = self.layer.sum.wrapping_add(fingerprint(stroke, retracted, self.state));
-            self.layer.filament_mm += stroke.fresh_mm;
+            let sum = self.layer.sum;
+            self.layer.sum = sum.wrapping_add(fingerprint(stroke, state.firmware_retracted, self.state));
+            self.short_mm = self.short_mm.max(retracted_mm);
         }
     }
 
@@ -231,6 +238,12 @@ impl Inventory {
         if self.layers.len() != other.layers.len() {
             return Err("the number of layers differs".into());
         }
+        if other.short_mm > self.short_mm + SHORT_MM {
+            return Err(format!(
+                "a bead begins while {:.3} mm of filament are pulled back, not {:.3} mm at most",
+                other.short_mm, self.short_mm
+            ));
+        }
         let within = |i: usize| {
             other.low[i] >= self.low[i] - AREA_MM && other.high[i] <= self.high[i] + AREA_MM
                 || other.low[i] > other.high[i]
@@ -250,7 +263,6 @@ struct Layer {
     strokes: usize,
     /// Of their fingerprints: it does not depend on their order.
     sum: u64,
-    filament_mm: f64,
     /// Other commands, in their order.
     commands: u64,
 }
@@ -262,9 +274,6 @@ impl Layer {
         }
         if self.sum != other.sum {
             return Err("a stroke is not what it was".into());
-        }
-        if (self.filament_mm - other.filament_mm).abs() > FILAMENT_MM {
-            return Err(format!("{} mm of filament became {} mm", self.filament_mm, other.filament_mm));
         }
         if self.commands != other.commands {
             return Err("other commands are not what they were".into());
@@ -285,7 +294,7 @@ fn fingerprint(stroke: &Stroke, retracted: bool, state: i64) -> u64 {
         (a, b) = (b, a);
         turn = if turn == 0 { 0 } else { 3 - turn };
     }
-    let rest = [stroke.to[2], stroke.e_mm, stroke.fresh_mm, stroke.feed_mm_s * 60.0].map(ticks);
+    let rest = [stroke.to[2], stroke.e_mm, stroke.feed_mm_s * 60.0].map(ticks);
     // Products of 128 bits, folded, mix all bits of two words.
     let mix = |hash: u64, pair: [i64; 2]| {
         let [x, y] = [pair[0] as u64 ^ hash, pair[1] as u64 ^ 0x9e37_79b9_7f4a_7c15];
@@ -293,7 +302,7 @@ fn fingerprint(stroke: &Stroke, retracted: bool, state: i64) -> u64 {
         (product as u64 ^ (product >> 64) as u64).wrapping_add(hash.rotate_left(23))
     };
     let flags = [turn + 4 * i64::from(retracted), state];
-    let hash = [a, b, [rest[0], rest[1]], [rest[2], rest[3]], flags, [0x2545_f491, 0]]
+    let hash = [a, b, [rest[0], rest[1]], [rest[2], 0], flags, [0x2545_f491, 0]]
         .into_iter()
         .fold(0xa076_1d64_78bd_642f, mix);
     hash ^ (hash >> 32)

@@ -99,6 +99,7 @@ fn each_planted_fault_is_found_and_no_other() {
         (Kind::RetractedExtrusion, before_layer(3, &["G10", "G1 E1", "G1 X101 E.03", "G11", "G1 E-1"])),
         (Kind::ExtrusionInPlace, before_layer(3, &["G1 E1", "G1 E.5", "G1 E-1"])),
         (Kind::UnbalancedRetraction, before_layer(3, &["G1 E1.5", "G1 E-1"])),
+        (Kind::UnbalancedRetraction, before_layer(3, &["G1 E-.2"])),
         (Kind::UnbalancedRetraction, before_layer(3, &["G10", "G10", "G11"])),
         (Kind::OutsideAtStart, replaced("M109 S210", "M109 S210\nG0 X-20 Y10")),
         (Kind::HeaterLeftOn, replaced("M140 S0", "")),

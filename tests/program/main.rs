@@ -18,6 +18,7 @@ mod flushes;
 mod live;
 mod materials;
 mod modifiers;
+mod package;
 mod print;
 mod print_assembly;
 mod print_floating;

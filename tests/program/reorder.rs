@@ -26,12 +26,14 @@ struct Script {
     text: String,
     e: f64,
     relative: bool,
+    /// How far filament is pushed that was pulled back by 1 mm.
+    push: f64,
 }
 
 impl Script {
     fn new(relative: bool) -> Self {
         let mode = if relative { "M83" } else { "M82" };
-        Self { text: format!("G28\nG90\n{mode}\nG1 X0 Y0 F6000\n"), e: 0.0, relative }
+        Self { text: format!("G28\nG90\n{mode}\nG1 X0 Y0 F6000\n"), e: 0.0, relative, push: 1.0 }
     }
 
     fn say(&mut self, line: &str) -> &mut Self {
@@ -47,7 +49,7 @@ impl Script {
 
     /// A retracted travel.
     fn go(&mut self, x: f64, y: f64) -> &mut Self {
-        let (pull, push) = (self.feed(-1.0), self.feed(1.0));
+        let (pull, push) = (self.feed(-1.0), self.feed(self.push));
         // The position after pulling is what was before pushing.
         self.say(&format!("G1 {pull} F2400"))
             .say(&format!("G0 X{x} Y{y} F9000"))
@@ -127,6 +129,18 @@ fn every_stroke_stays_and_the_travel_between_shrinks() {
         let [before, after] = [&text, &result].map(|t| measure(t.as_bytes(), Mm(1.75)));
         assert!(after.travel_mm < 0.6 * before.travel_mm, "{} → {}", before.travel_mm, after.travel_mm);
         assert!((after.volume_mm3 - before.volume_mm3).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn paths_move_whose_filament_is_pushed_a_little_less_than_it_was_pulled() {
+    for relative in [false, true] {
+        let mut script = Script { push: 0.9, ..Script::new(relative) };
+        script.layer(0).say(";TYPE:FILL").hatch(10.0, &BAD);
+        let result = reordered(&script.text, &[]);
+        let [before, after] = [&script.text, &result].map(|t| measure(t.as_bytes(), Mm(1.75)));
+        assert!(after.travel_mm < 0.6 * before.travel_mm, "{} → {}", before.travel_mm, after.travel_mm);
+        assert!(after.retractions < before.retractions && after.print_mm == before.print_mm);
     }
 }
 

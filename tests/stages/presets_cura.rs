@@ -1,9 +1,13 @@
 //! Presets of Cura: small ones, written here.
 
 use std::fs;
+use std::io::Write;
+use std::path::Path;
 
-use pathwright::presets::{Dialect, Kind, Library, Source};
+use pathwright::presets::{Config, Dialect, Kind, Library, Source};
 use tempfile::TempDir;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
 
 use crate::presets::in_memory;
 
@@ -161,4 +165,168 @@ fn a_missing_parent_and_a_circle_are_told() {
     let circle = ("definitions/maker_base.def.json", r#"{"name": "B", "inherits": "maker"}"#);
     let error = presets(&[circle]).1.choose("Maker One", None, None).unwrap_err().to_string();
     assert!(error.contains("inherits from itself"), "{error}");
+}
+
+/// What Cura keeps of a machine that its user has added, with a profile and values set since.
+const ADDED: &[(&str, &str)] = &[
+    (
+        "machine_instances/My+Maker.global.cfg",
+        "[general]\nversion = 5\nname = My Maker\nid = My Maker\n\n[metadata]\ntype = machine\n\n[containers]\n\
+         0 = My Maker_user\n1 = maker_mine\n2 = empty_intent\n3 = standard\n4 = empty_material\n5 = empty_variant\n\
+         6 = My Maker_settings\n7 = maker\n",
+    ),
+    (
+        "extruders/maker_extruder+%232.extruder.cfg",
+        "[general]\nversion = 5\nname = Extruder 1\nid = maker_extruder #2\n\n[metadata]\ntype = extruder_train\n\
+         machine = My Maker\nposition = 0\n\n[containers]\n0 = maker_extruder #2_user\n1 = maker_extruder_#2_mine\n\
+         2 = empty_intent\n3 = pla\n4 = my_plastic_maker_0.8mm\n5 = maker_0.8\n6 = empty_definition_changes\n\
+         7 = maker_extruder\n",
+    ),
+    (
+        "variants/maker_0.8.inst.cfg",
+        "[general]\nname = 0.8mm\ndefinition = maker\n[metadata]\ntype = variant\n[values]\nmachine_nozzle_size = 0.8\n",
+    ),
+    (
+        "definition_changes/My+Maker_settings.inst.cfg",
+        "[general]\nname = My Maker_settings\ndefinition = maker\n[metadata]\ntype = definition_changes\n[values]\n\
+         machine_start_gcode = G28\n\t; level\n\t\n\tG29\nmachine_width = 300.0\n",
+    ),
+    (
+        "quality_changes/maker_mine.inst.cfg",
+        "[general]\nname = Mine\ndefinition = maker_base\n[metadata]\ntype = quality_changes\nquality_type = standard\n\
+         [values]\nlayer_height = 0.24\n",
+    ),
+    (
+        "quality_changes/maker_extruder_%232_mine.inst.cfg",
+        "[general]\nname = Mine\ndefinition = maker_base\n[metadata]\ntype = quality_changes\nquality_type = standard\n\
+         position = 0\n[values]\nspeed_print = =line_width * 50\n",
+    ),
+    (
+        "user/maker_extruder+%232_user.inst.cfg",
+        "[general]\nname = maker_extruder #2_user\n[metadata]\ntype = user\n[values]\nspeed_wall_0 = 17\n",
+    ),
+    (
+        "materials/my_plastic.xml.fdm_material",
+        "<fdmmaterial><metadata><name><brand>My</brand><material>PLA</material></name></metadata>\
+         <properties><diameter>1.75</diameter></properties><settings>\
+         <setting key=\"print temperature\">199</setting></settings></fdmmaterial>",
+    ),
+];
+
+#[test]
+fn a_machine_that_a_user_has_added_prints_as_it_is_set() {
+    let (folder, library) = presets(ADDED);
+    let first = library.listed(Kind::Printer)[0];
+    assert_eq!((first.name.as_str(), first.is_user), ("My Maker", true));
+    let set = library.choose("My Maker", None, None).unwrap();
+    assert_eq!((set.print.name.as_str(), set.filament.name.as_str()), ("as set in Cura", "My PLA"));
+    assert_eq!(set.prints, ["as set in Cura", "Mine", "Fine", "Standard", "as defined"]);
+    for (key, value) in [
+        ("bed_shape", "-150x-50,150x-50,150x50,-150x50"),
+        ("nozzle_diameter", "0.8"),
+        ("layer_height", "0.24"),
+        ("external_perimeter_speed", "17"),
+        ("temperature", "199"),
+        ("start_gcode", "G28\\n; level\\n\\nG29"),
+    ] {
+        assert_eq!(set.config.text(key), Some(value), "{key}");
+    }
+    assert_eq!(set.config.raw["speed_print"].value, "40", "of the extruder's profile, its own nozzle");
+    assert_eq!(in_memory(folder.path()).choose("My Maker", None, None).unwrap().config, set.config);
+}
+
+#[test]
+fn a_users_profile_is_on_top_of_the_quality_that_it_was_made_from() {
+    let (_folder, library) = presets(ADDED);
+    let speed = |print| {
+        let chosen = library.choose("My Maker", Some(print), None).unwrap();
+        ["layer_height", "external_perimeter_speed"].map(|key| chosen.config.number(key).unwrap())
+    };
+    assert_eq!(speed("Mine"), [0.24, 20.0], "what was not saved is not there");
+    assert_eq!(speed("Fine"), [0.1, 40.0]);
+    let vendors = library.choose("Maker One", Some("Mine"), None).unwrap();
+    assert_eq!(vendors.config.number("nozzle_diameter"), Some(0.6));
+    assert_eq!(vendors.config.number("layer_height"), Some(0.24));
+}
+
+fn packed(path: &Path, parts: &[(&str, &str)]) {
+    let mut package = ZipWriter::new(fs::File::create(path).unwrap());
+    for (name, text) in parts {
+        package.start_file(*name, SimpleFileOptions::default()).unwrap();
+        package.write_all(text.as_bytes()).unwrap();
+    }
+    package.finish().unwrap();
+}
+
+#[test]
+fn an_exported_profile_is_a_print_preset() {
+    let (folder, _) = presets(&[]);
+    let profile = folder.path().join("Swift.curaprofile");
+    let changes = |more: &str| {
+        format!(
+            "[general]\nname = Swift\ndefinition = maker_base\n[metadata]\ntype = quality_changes\nquality_type = fine\n{more}"
+        )
+    };
+    packed(
+        &profile,
+        &[
+            ("maker_swift", &changes("[values]\nlayer_height = 0.12\n")),
+            ("maker_extruder_swift", &changes("position = 0\n[values]\nspeed_print = 120\n")),
+            ("maker_extruder_1_swift", &changes("position = 1\n[values]\nspeed_print = 7\n")),
+        ],
+    );
+    let elsewhere = tempfile::tempdir().unwrap();
+    let moved = elsewhere.path().join("Swift.curaprofile");
+    fs::rename(&profile, &moved).unwrap();
+    let sources = [folder.path(), &moved].map(|path| Source { path: path.to_owned(), dialect: None });
+    let chosen = Library::open(&sources).choose("Maker One", Some("Swift"), None).unwrap();
+    assert_eq!(chosen.config.number("layer_height"), Some(0.12));
+    assert_eq!(chosen.config.number("external_perimeter_speed"), Some(60.0));
+    fs::write(&moved, "PK and no more").unwrap();
+    let broken = Library::open(&sources).choose("Maker One", Some("Swift"), None).unwrap_err().to_string();
+    assert!(broken.contains("Swift.curaprofile") && broken.contains("export it again"), "{broken}");
+}
+
+#[test]
+fn a_project_of_cura_holds_the_machine_as_it_was_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = folder.path().join("part.3mf");
+    // Definitions are saved with all that they inherit, labels are names and values texts.
+    let machine = r#"{"name": "Maker One", "version": 2, "metadata": {"visible": true}, "settings": {"machine": {"label": "machine",
+"type": "category", "children": {
+"machine_width": {"label": "machine_width", "default_value": "220", "children": {}},
+"machine_depth": {"label": "machine_depth", "default_value": "210", "children": {}},
+"machine_height": {"label": "machine_height", "default_value": "100", "children": {}},
+"machine_heated_bed": {"label": "machine_heated_bed", "default_value": "True", "children": {}},
+"machine_nozzle_size": {"label": "machine_nozzle_size", "default_value": "0.4", "children": {}},
+"layer_height": {"label": "layer_height", "default_value": "0.1", "children": {}},
+"default_material_print_temperature": {"label": "default_material_print_temperature", "default_value": "210", "children": {}},
+"material_print_temperature": {"label": "material_print_temperature", "default_value": "210",
+"value": "=default_material_print_temperature", "children": {}},
+"line_width": {"label": "line_width", "default_value": "0.4", "value": "=machine_nozzle_size * 1.1", "children": {}},
+"speed_print": {"label": "speed_print", "default_value": "60", "children": {"speed_wall_0": {"label": "speed_wall_0",
+"default_value": "30", "value": "=speed_print / 2", "children": {}}}}}}}}"#;
+    let extruder = r#"{"name": "E", "version": 2, "metadata": {}, "settings": {"extruder_nr": {"label": "extruder_nr",
+"default_value": "0", "children": {}}}}"#;
+    let saved = ADDED.iter().map(|(name, text)| {
+        let name = name.rsplit('/').next().unwrap().replace('+', " ").replace("%23", "#");
+        (format!("Cura/{name}"), *text)
+    });
+    let mut parts: Vec<(String, &str)> = saved.collect();
+    parts.push(("Cura/maker.def.json".into(), machine));
+    parts.push(("Cura/maker_extruder.def.json".into(), extruder));
+    parts.push(("Cura/standard.inst.cfg".into(), FILES[7].1));
+    let named: Vec<(&str, &str)> = parts.iter().map(|(name, text)| (name.as_str(), *text)).collect();
+    packed(&project, &named);
+    let config = Config::read(&project).unwrap();
+    for (key, value) in [
+        ("bed_shape", "0x0,300x0,300x210,0x210"),
+        ("nozzle_diameter", "0.8"),
+        ("extrusion_width", "0.88"),
+        ("layer_height", "0.24"),
+        ("external_perimeter_speed", "17"),
+        ("temperature", "199"),
+    ] {
+        assert_eq!(config.text(key), Some(value), "{key}");
+    }
 }

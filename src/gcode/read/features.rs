@@ -52,7 +52,7 @@ const KISSLICER: &[(Role, &[&str])] = &[
     (Role::SupportInterface, &["Support Interface"]),
     (Role::Perimeter, &["Loop"]),
     (Role::ExternalPerimeter, &["Perimeter"]),
-    (Role::GapFill, &["Crown"]),
+    (Role::GapFill, &["Crown", "Gap Fill"]),
     (Role::SolidInfill, &["Solid"]),
     (Role::InternalInfill, &["Sparse Infill", "Stacked Sparse Infill"]),
 ];

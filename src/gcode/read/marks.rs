@@ -29,7 +29,8 @@ pub fn mark(comment: &[u8]) -> Option<Mark<'_>> {
             .or_else(|| strip(text, "feature "))
             .map(Mark::Feature)
             .or_else(|| (strip(text, "FLAVOR:") == Some(b"UltiGCode")).then_some(Mark::Volumetric)),
-        b'\'' => Some(Mark::Feature(text)),
+        // KISSlicer names its retractions and travels in the same way as what it draws.
+        b'\'' => (!text.starts_with(b"'Destring")).then_some(Mark::Feature(text)),
         b'L' | b'l' => layer(text),
         b'C' => (text == b"CHANGE_LAYER").then_some(Mark::Layer),
         b'B' => text.starts_with(b"BEGIN_LAYER_OBJECT").then_some(Mark::Layer),
@@ -109,8 +110,16 @@ mod tests {
 
     #[test]
     fn other_comments_mean_nothing() {
-        for comment in ["LAYER_COUNT:120", "Layer height: 0.2", "layer_height = 0.2", "LAYER:x", "Z:high", ""]
-        {
+        for comment in [
+            "LAYER_COUNT:120",
+            "Layer height: 0.2",
+            "layer_height = 0.2",
+            "LAYER:x",
+            "Z:high",
+            "",
+            " 'Destring Prime'",
+            " 'Destring/Wipe/Jump Path', 0.0 [feed mm/s], 60.0 [head mm/s]",
+        ] {
             assert_eq!(mark(comment.as_bytes()), None, "{comment}");
         }
     }

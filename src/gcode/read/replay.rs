@@ -144,6 +144,8 @@ pub struct State {
     pub scale: f64,
     /// Filament retracted and not yet unretracted by E.
     pub retracted_mm: f64,
+    /// The most of it since there was none.
+    pulled_mm: f64,
     /// Whether filament is retracted by G10.
     pub firmware_retracted: bool,
     /// Whether E counts volume.
@@ -165,6 +167,7 @@ impl Default for State {
             e_said: None,
             scale: 1.0,
             retracted_mm: 0.0,
+            pulled_mm: 0.0,
             firmware_retracted: false,
             volumetric: false,
             tool: 0,
@@ -180,6 +183,13 @@ pub(crate) const NO_TOOL: u32 = 64;
 const OUT_MM: f64 = 40.0;
 
 impl State {
+    /// Whether filament is retracted. What an unretraction leaves is not, if it is less than half: slicers may be set to push
+    /// forward less than was pulled back.
+    pub fn is_retracted(&self) -> bool {
+        let back_mm = self.retracted_mm;
+        self.firmware_retracted || back_mm > 1e-6 && 2.0 * back_mm > self.pulled_mm - 1e-6
+    }
+
     /// Does what a line says.
     pub fn follow<'a>(&mut self, line: &Line<'a>) -> Action<'a> {
         if let Some(code) = line.code {
@@ -246,7 +256,7 @@ impl State {
         if self.retracted_mm > 0.0 && self.retracted_mm < OUT_MM {
             self.parked.push((self.tool, self.retracted_mm));
         }
-        (self.tool, self.retracted_mm) = (tool, back_mm);
+        (self.tool, self.retracted_mm, self.pulled_mm) = (tool, back_mm, back_mm);
     }
 
     fn stroke(&mut self, number: u32, line: &Line<'_>) -> Stroke {
@@ -279,6 +289,7 @@ impl State {
         if e_mm < -1e-9 {
             retracts = self.retracted_mm < 1e-6;
             self.retracted_mm -= e_mm;
+            self.pulled_mm = if retracts { self.retracted_mm } else { self.pulled_mm.max(self.retracted_mm) };
         } else if e_mm > 1e-9 {
             let back_mm = self.retracted_mm.min(e_mm);
             self.retracted_mm -= back_mm;

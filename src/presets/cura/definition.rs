@@ -8,18 +8,10 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::formula::Value;
+use super::said::Said;
 use crate::presets::config::Place;
 use crate::presets::error::PresetError;
 use crate::presets::files::Files;
-
-/// What is said of a setting.
-#[derive(Clone, Debug)]
-pub(super) struct Said {
-    /// It counts where there is no formula.
-    pub plain: Option<Value>,
-    pub formula: Option<String>,
-    pub place: Place,
-}
 
 /// A definition, as it is written.
 #[derive(Debug)]
@@ -45,6 +37,7 @@ struct Document<'a> {
 /// A setting, or a group of settings.
 #[derive(Deserialize)]
 struct Node<'a> {
+    label: Option<serde_json::Value>,
     default_value: Option<serde_json::Value>,
     value: Option<serde_json::Value>,
     #[serde(borrow, default)]
@@ -111,7 +104,17 @@ impl Reader<'_> {
             return Ok(());
         }
         for (key, raw) in nodes {
-            let node: Node<'_> = serde_json::from_str(raw.get())?;
+            let mut node: Node<'_> = serde_json::from_str(raw.get())?;
+            // Saved in a project, a setting has its name as its label, and all values as texts.
+            let is_saved = node.label.take().is_some_and(|label| label.as_str() == Some(key));
+            if let (true, Some(text)) = (is_saved, node.default_value.as_ref().and_then(|v| v.as_str())) {
+                let place = Place::new(self.file.clone(), self.line(raw), self.name);
+                let formula = node.value.as_ref().and_then(|value| value.as_str());
+                let formula = formula.map(|formula| formula.trim_start_matches('=').to_owned());
+                self.settings.insert(key.clone(), Said { formula, ..Said::of_text(text, place) });
+                self.nested(&node.children)?;
+                continue;
+            }
             let formula = node.value.as_ref().and_then(|value| value.as_str()).map(str::to_owned);
             let fixed = node.value.as_ref().filter(|value| !value.is_string());
             let plain = fixed.or(node.default_value.as_ref()).map(plain);
@@ -121,10 +124,15 @@ impl Reader<'_> {
                 let place = Place::new(self.file.clone(), self.line(raw), self.name);
                 self.settings.insert(key.clone(), Said { plain, formula, place });
             }
-            self.depth += 1;
-            self.read(&node.children)?;
-            self.depth -= 1;
+            self.nested(&node.children)?;
         }
+        Ok(())
+    }
+
+    fn nested(&mut self, nodes: &BTreeMap<String, &RawValue>) -> Result<(), serde_json::Error> {
+        self.depth += 1;
+        self.read(nodes)?;
+        self.depth -= 1;
         Ok(())
     }
 

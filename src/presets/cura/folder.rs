@@ -1,17 +1,21 @@
-//! Where Cura's files are: `definitions`, `extruders`, `variants`, `quality`, `materials` in its folder of resources, or in that of
-//! a user.
+//! Where Cura's files are: `definitions`, `extruders`, `variants`, `quality`, `intent`, `materials` in its folder of resources or
+//! that of a user; there also `machine_instances`, and changes in `definition_changes`, `quality_changes` and `user`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use super::definition::Definition;
-use super::instance::Instance;
+use super::instance::{self, Instance};
+use super::profile;
 use crate::presets::error::PresetError;
 use crate::presets::files::Files;
 
 /// Folders nest no deeper than this.
 const DEEPEST: usize = 6;
+
+/// Folders of containers of values.
+const KNOWN: [&str; 6] = ["variants", "quality", "intent", "definition_changes", "quality_changes", "user"];
 
 /// A definition of a machine or an extruder, read when it is asked for.
 #[derive(Debug)]
@@ -57,30 +61,53 @@ impl Machine {
     }
 }
 
-type Lazy = OnceLock<Result<Vec<Instance>, PresetError>>;
-
 /// All files of Cura's presets, by kind.
 #[derive(Debug, Default)]
 pub(super) struct Folder {
     files: Files,
     machines: BTreeMap<String, Machine>,
     extruders: BTreeMap<String, Machine>,
-    nozzle_files: BTreeSet<PathBuf>,
-    quality_files: BTreeSet<PathBuf>,
-    material_files: BTreeSet<PathBuf>,
-    nozzles: Lazy,
-    qualities: Lazy,
-    materials: Lazy,
+    nozzles: Instances,
+    qualities: Instances,
+    intents: Instances,
+    materials: Instances,
+    changes: Instances,
+    stacks: Instances,
 }
 
-/// Whether a file of that name, in small letters, may be a definition.
+/// Containers of a kind, read when they are asked for.
+#[derive(Debug, Default)]
+struct Instances {
+    /// In the order of the sources; of two of one name the first is taken.
+    files: Vec<PathBuf>,
+    read: OnceLock<Result<Vec<Instance>, PresetError>>,
+}
+
+impl Instances {
+    /// All of them, each file as `read` makes of it.
+    fn all(
+        &self,
+        files: &Files,
+        read: fn(&Files, &Path) -> Result<Vec<Instance>, PresetError>,
+    ) -> Result<&[Instance], PresetError> {
+        let all = || -> Result<Vec<Instance>, PresetError> {
+            let mut seen = BTreeSet::new();
+            let once = self.files.iter().filter(|path| seen.insert(*path));
+            let read: Vec<Vec<Instance>> = once.map(|path| read(files, path)).collect::<Result<_, _>>()?;
+            Ok(read.into_iter().flatten().collect())
+        };
+        self.read.get_or_init(all).as_ref().map(Vec::as_slice).map_err(Clone::clone)
+    }
+}
+
+/// Whether a file of that name, in small letters, may be a definition or an exported profile.
 pub(in crate::presets) fn is_preset(name: &str) -> bool {
-    name.ends_with(".def.json")
+    name.ends_with(".def.json") || name.ends_with(profile::ENDING)
 }
 
 /// Whether a file of that name, in small letters, may be one of these.
 pub(in crate::presets) fn is_file(name: &str) -> bool {
-    is_preset(name) || [".xml.fdm_material", ".inst.cfg"].iter().any(|ending| name.ends_with(ending))
+    is_preset(name) || instance::ENDINGS.iter().any(|ending| name.ends_with(ending))
 }
 
 impl Folder {
@@ -93,6 +120,8 @@ impl Folder {
     pub fn add(&mut self, path: &Path) {
         if self.files.is_dir(path) {
             self.walk(path, 0);
+        } else if is_profile(path) {
+            self.changes.files.push(path.to_owned());
         } else if let Some(resources) = path.parent().and_then(Path::parent) {
             // A definition needs those that it inherits from, and what is beside them.
             self.walk(resources, 0);
@@ -108,19 +137,34 @@ impl Folder {
                 let is_extruder = parent == "extruders" || machine.id == "fdmextruder";
                 let all = if is_extruder { &mut self.extruders } else { &mut self.machines };
                 all.entry(machine.id.clone()).or_insert(machine);
-            } else if name.ends_with(".xml.fdm_material") {
-                self.material_files.insert(path);
-            } else if name.ends_with(".inst.cfg") {
-                let is_nozzle = path.components().any(|part| part.as_os_str() == "variants");
-                let is_quality = path.components().any(|part| part.as_os_str() == "quality");
-                if is_nozzle {
-                    self.nozzle_files.insert(path);
-                } else if is_quality {
-                    self.quality_files.insert(path);
-                }
+            } else if let Some(instances) = self.of_file(&path) {
+                instances.files.push(path);
             } else if depth < DEEPEST && self.files.is_dir(&path) {
                 self.walk(&path, depth + 1);
             }
+        }
+    }
+
+    /// Where a file of containers belongs: to what the innermost folder of a known name is for.
+    fn of_file(&mut self, path: &Path) -> Option<&mut Instances> {
+        let name = path.file_name()?.to_string_lossy();
+        if is_profile(path) {
+            return Some(&mut self.changes);
+        }
+        match instance::ENDINGS.iter().find(|ending| name.ends_with(**ending))? {
+            &".xml.fdm_material" => Some(&mut self.materials),
+            &".inst.cfg" => {
+                let folders = path.parent()?.iter().rev();
+                let innermost =
+                    folders.filter_map(|folder| folder.to_str()).find(|name| KNOWN.contains(name));
+                Some(match innermost? {
+                    "variants" => &mut self.nozzles,
+                    "quality" => &mut self.qualities,
+                    "intent" => &mut self.intents,
+                    _ => &mut self.changes,
+                })
+            }
+            _ => Some(&mut self.stacks),
         }
     }
 
@@ -144,7 +188,7 @@ impl Folder {
     /// # Errors
     /// One cannot be read.
     pub fn nozzles(&self) -> Result<&[Instance], PresetError> {
-        read(&self.files, &self.nozzles, &self.nozzle_files, Instance::read)
+        self.nozzles.all(&self.files, Instance::read)
     }
 
     /// All qualities.
@@ -152,7 +196,15 @@ impl Folder {
     /// # Errors
     /// One cannot be read.
     pub fn qualities(&self) -> Result<&[Instance], PresetError> {
-        read(&self.files, &self.qualities, &self.quality_files, Instance::read)
+        self.qualities.all(&self.files, Instance::read)
+    }
+
+    /// All intents: what vendors change of a quality for a purpose.
+    ///
+    /// # Errors
+    /// One cannot be read.
+    pub fn intents(&self) -> Result<&[Instance], PresetError> {
+        self.intents.all(&self.files, Instance::read)
     }
 
     /// All materials.
@@ -160,16 +212,26 @@ impl Folder {
     /// # Errors
     /// One cannot be read.
     pub fn materials(&self) -> Result<&[Instance], PresetError> {
-        read(&self.files, &self.materials, &self.material_files, Instance::read_material)
+        self.materials.all(&self.files, Instance::read_material)
+    }
+
+    /// All that users have changed: of machines, of qualities, and since.
+    ///
+    /// # Errors
+    /// One cannot be read.
+    pub fn changes(&self) -> Result<&[Instance], PresetError> {
+        self.changes.all(&self.files, profile::read)
+    }
+
+    /// All stacks of containers: of machines that users have added, and of their extruders.
+    ///
+    /// # Errors
+    /// One cannot be read.
+    pub fn stacks(&self) -> Result<&[Instance], PresetError> {
+        self.stacks.all(&self.files, Instance::read)
     }
 }
 
-fn read<'a>(
-    from: &Files,
-    lazy: &'a Lazy,
-    files: &BTreeSet<PathBuf>,
-    read: fn(&Files, &Path) -> Result<Instance, PresetError>,
-) -> Result<&'a [Instance], PresetError> {
-    let all = lazy.get_or_init(|| files.iter().map(|path| read(from, path)).collect());
-    all.as_ref().map(Vec::as_slice).map_err(Clone::clone)
+fn is_profile(path: &Path) -> bool {
+    path.to_string_lossy().to_ascii_lowercase().ends_with(profile::ENDING)
 }

@@ -1,4 +1,5 @@
-//! Cura's containers of values: qualities and nozzles (`.inst.cfg`), materials (`.xml.fdm_material`).
+//! Cura's containers of values: qualities, nozzles, changes (`.inst.cfg`), materials (`.xml.fdm_material`); and stacks of containers
+//! (`.global.cfg`, `.extruder.cfg`).
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,8 +8,7 @@ use std::sync::Arc;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
-use super::definition::Said;
-use super::formula::Value;
+use super::said::Said;
 use crate::presets::config::Place;
 use crate::presets::error::PresetError;
 use crate::presets::files::Files;
@@ -25,6 +25,8 @@ pub(super) struct Instance {
     pub values: BTreeMap<String, Said>,
     /// Values for machines of these names alone.
     pub of_machines: Vec<(Vec<String>, BTreeMap<String, Said>)>,
+    /// Of a stack: by their ids, what it is made of, the top one first.
+    pub containers: Vec<String>,
     pub file: Arc<str>,
 }
 
@@ -34,37 +36,44 @@ impl Instance {
         self.metadata.get(key).map_or("", String::as_str)
     }
 
-    /// Reads an `.inst.cfg`.
+    /// Reads an `.inst.cfg` or a stack.
     ///
     /// # Errors
     /// It cannot be read, or a line is neither a section nor `key = value`.
-    pub fn read(files: &Files, path: &Path) -> Result<Self, PresetError> {
+    pub fn read(files: &Files, path: &Path) -> Result<Vec<Self>, PresetError> {
         let (file, text) = text(files, path)?;
-        Self::parse(file, &text)
+        Ok(vec![Self::parse(file, &text)?])
     }
 
-    /// Reads the lines of an `.inst.cfg`.
-    fn parse(file: Arc<str>, text: &str) -> Result<Self, PresetError> {
-        let mut read = Self { id: stem(&file, ".inst.cfg"), file: file.clone(), ..Self::default() };
+    /// Reads the lines of an `.inst.cfg` or a stack of that name.
+    ///
+    /// # Errors
+    /// A line is neither a section nor `key = value`.
+    pub fn parse(file: Arc<str>, text: &str) -> Result<Self, PresetError> {
+        let mut read = Self { id: id(&file), file: file.clone(), ..Self::default() };
         let mut section = "";
-        // A line that is indented goes on with what the one before began.
+        // A line that is indented goes on with what the one before began, be there empty lines in between.
         let mut last: Option<String> = None;
+        let mut empty = 0;
         for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
             let is_continued = line.starts_with([' ', '\t']);
             let line = line.trim();
-            if line.is_empty() || line.starts_with(['#', ';']) {
+            if line.is_empty() {
+                empty += 1;
+                continue;
+            }
+            let skipped = std::mem::take(&mut empty);
+            if let (true, Some(said)) = (is_continued, last.as_ref().and_then(|key| read.values.get_mut(key)))
+            {
+                said.go_on(skipped, line);
+                continue;
+            }
+            if line.starts_with(['#', ';']) {
                 continue;
             }
             if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
                 section = name.trim();
                 last = None;
-                continue;
-            }
-            if let (true, Some(Said { formula: Some(formula), .. })) =
-                (is_continued, last.as_ref().and_then(|key| read.values.get_mut(key)))
-            {
-                formula.push(' ');
-                formula.push_str(line);
                 continue;
             }
             let Some((key, value)) = line.split_once('=').map(|(key, value)| (key.trim(), value.trim()))
@@ -75,9 +84,11 @@ impl Instance {
             match section {
                 "values" => {
                     let place = Place::new(file.clone(), index + 1, read.name.as_str());
-                    read.values.insert(key.to_owned(), said(value, place));
+                    read.values.insert(key.to_owned(), Said::of_text(value, place));
                     last = Some(key.to_owned());
                 }
+                "containers" => read.containers.push(value.to_owned()),
+                "general" if key == "id" => read.id = value.to_owned(),
                 "general" if key == "name" => read.name = value.to_owned(),
                 "general" if key == "definition" => read.definition = value.to_owned(),
                 _ => {
@@ -92,13 +103,13 @@ impl Instance {
     ///
     /// # Errors
     /// It cannot be read, or is no XML.
-    pub fn read_material(files: &Files, path: &Path) -> Result<Self, PresetError> {
+    pub fn read_material(files: &Files, path: &Path) -> Result<Vec<Self>, PresetError> {
         let (file, text) = text(files, path)?;
-        Self::parse_material(file, &text)
+        Ok(vec![Self::parse_material(file, &text)?])
     }
 
     fn parse_material(file: Arc<str>, text: &str) -> Result<Self, PresetError> {
-        let mut read = Self { id: stem(&file, ".xml.fdm_material"), file: file.clone(), ..Self::default() };
+        let mut read = Self { id: id(&file), file: file.clone(), ..Self::default() };
         let mut reader = Reader::from_str(text);
         // Names of the elements that are open, and the text of the innermost.
         let mut open: Vec<String> = Vec::new();
@@ -145,7 +156,7 @@ impl Instance {
                             let setting = setting.map_or(key.as_str(), |(_, setting)| setting).to_owned();
                             let values = machines.as_mut().map_or(&mut read.values, |(_, values)| values);
                             let place = Place::new(file.clone(), line(text, reader.buffer_position()), "");
-                            values.insert(setting, said(value, place));
+                            values.insert(setting, Said::of_text(value, place));
                         }
                         (_, "hotend" | "buildplate") => hotends = hotends.saturating_sub(1),
                         (_, "machine") => read.of_machines.extend(machines.take()),
@@ -216,31 +227,33 @@ fn text(files: &Files, path: &Path) -> Result<(Arc<str>, String), PresetError> {
     Ok((file, text))
 }
 
-/// A file's name without its folder and its ending.
-fn stem(file: &str, ending: &str) -> String {
-    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
-    name.strip_suffix(ending).unwrap_or(name).to_owned()
-}
+/// Endings of files of containers and stacks.
+pub(super) const ENDINGS: [&str; 4] = [".inst.cfg", ".global.cfg", ".extruder.cfg", ".xml.fdm_material"];
 
-/// A value as it is written, or a formula after `=`.
-fn said(written: &str, place: Place) -> Said {
-    if let Some(formula) = written.strip_prefix('=') {
-        return Said { plain: None, formula: Some(formula.trim().to_owned()), place };
+/// By which others name a container: its file without folder and ending, the web's escapes undone.
+fn id(file: &str) -> String {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    let name = ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or(name).as_bytes();
+    let digit = |at: usize| char::from(*name.get(at)?).to_digit(16).map(|digit| digit as u8);
+    let (mut bytes, mut at) = (Vec::with_capacity(name.len()), 0);
+    while let Some(byte) = name.get(at) {
+        match (byte, digit(at + 1).zip(digit(at + 2))) {
+            (b'%', Some((high, low))) => {
+                bytes.push(high << 4 | low);
+                at += 2;
+            }
+            (b'+', _) => bytes.push(b' '),
+            (byte, _) => bytes.push(*byte),
+        }
+        at += 1;
     }
-    let plain = match written {
-        "True" | "true" | "yes" => Value::Flag(true),
-        "False" | "false" | "no" => Value::Flag(false),
-        _ => match written.parse::<f64>() {
-            Ok(number) if number.is_finite() => Value::Number(number),
-            _ => Value::Text(written.to_owned()),
-        },
-    };
-    Said { plain: Some(plain), formula: None, place }
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presets::cura::formula::Value;
 
     #[test]
     fn qualities_are_values_and_formulas() {
@@ -254,6 +267,17 @@ mod tests {
         assert_eq!(read.values["adhesion_type"].place.to_string(), "q/m_fine.inst.cfg:12 [Fine]");
         let error = Instance::parse("q.inst.cfg".into(), "[values]\nwhat\n").unwrap_err();
         assert!(error.to_string().starts_with("q.inst.cfg:2 [values]: `what`"), "{error}");
+    }
+
+    #[test]
+    fn texts_have_lines_and_stacks_have_containers() {
+        let text = "[general]\r\nname = M\r\nid = M #2\r\n[values]\r\nscript = G28\r\n\t; home\r\n\t\r\n\tG1 X0\r\n\r\na = 1\r\n\
+                    [containers]\r\n0 = M_user\r\n1 = m\r\n";
+        let read = Instance::parse("M.global.cfg".into(), text).unwrap();
+        assert_eq!(read.values["script"].plain, Some(Value::Text("G28\n; home\n\nG1 X0".into())));
+        assert_eq!(read.values["a"].plain, Some(Value::Number(1.0)));
+        assert_eq!((read.id.as_str(), read.containers), ("M #2", vec!["M_user".into(), "m".into()]));
+        assert_eq!(id("user/creality_%232+x%zz.inst.cfg"), "creality_#2 x%zz");
     }
 
     #[test]

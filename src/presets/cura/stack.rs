@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use super::definition::Said;
 use super::formula::{self, Value};
+use super::said::Said;
 use crate::presets::config::Place;
 
 /// Formulas ask for each other no deeper than this.
