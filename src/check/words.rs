@@ -19,6 +19,7 @@ const KNOWN_G: &[(u32, u32)] = &[
     (68, 69),
     (75, 81),
     (90, 94),
+    (380, 380),
     (392, 392),
     (425, 425),
 ];
@@ -110,8 +111,11 @@ impl Rule for Words {
         if strict
             && !seen.stroke().is_some_and(|stroke| stroke.plain)
             && !is_plain(seen.line.parameters())
-            && let Err(kind) =
-                read(seen.line.parameters(), matches!((code.letter, code.number), (b'G', 92) | (b'M', 84)))
+            // Bambu's M221 S and M221 R save a state and bring it back.
+            && let Err(kind) = read(
+                seen.line.parameters(),
+                matches!((code.letter, code.number), (b'G', 92) | (b'M', 84 | 221)),
+            )
         {
             seen.fault(found, kind, || seen.text());
         }

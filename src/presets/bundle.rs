@@ -1,7 +1,7 @@
 //! Bundles of PrusaSlicer and SuperSlicer: presets as written, the names they inherit from, and what is in force.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -22,6 +22,9 @@ const TELLING: [(Kind, [&str; 3]); 3] = [
     (Kind::Print, ["layer_height", "perimeters", "fill_density"]),
     (Kind::Filament, ["temperature", "bed_temperature", "filament_diameter"]),
 ];
+
+/// How sections are named that name the files of a bundle, as AnkerMake Studio has them.
+const PARTS: &str = "Path:";
 
 /// A preset as written.
 #[derive(Debug)]
@@ -58,8 +61,15 @@ pub(super) struct Bundles {
     formerly: FxHashMap<(Kind, String), usize>,
 }
 
+/// Whose sections these are, in a file of that path; `None`: a user's.
+fn vendor<'a>(sections: impl Iterator<Item = &'a Section> + Clone, path: &str) -> Option<Arc<str>> {
+    let mut own = sections.filter(|section| section.name == "vendor");
+    let name = own.clone().find_map(|section| section.value("name").or(section.value("repo_id")));
+    name.or_else(|| own.next().map(|_| path)).map(Into::into)
+}
+
 impl Bundles {
-    /// Adds the presets of a bundle.
+    /// Adds the presets of a bundle, with those of the files that it names.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -69,17 +79,41 @@ impl Bundles {
         path: &Path,
         dialect: Option<Dialect>,
     ) -> Result<(), PresetError> {
-        let lines = ini::lines(files, path).map_err(|message| unreadable(path, message))?;
-        self.add_sections(&path.display().to_string(), ini::sections(&lines), dialect);
+        let read = |path: &Path| -> Result<Vec<Section>, PresetError> {
+            let lines = ini::lines(files, path).map_err(|message| unreadable(path, message))?;
+            Ok(ini::sections(&lines))
+        };
+        let sections = read(path)?;
+        let named = sections.iter().filter(|section| section.name.starts_with(PARTS));
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let parts: Vec<PathBuf> =
+            named.flat_map(|section| &section.lines).map(|line| folder.join(&line.value)).collect();
+        let mut all = vec![(path.to_owned(), sections)];
+        for part in parts {
+            let sections = read(&part)?;
+            all.push((part, sections));
+        }
+        let vendor = vendor(all.iter().flat_map(|(_, sections)| sections), &path.display().to_string());
+        for (path, sections) in all {
+            self.add_of_vendor(&path.display().to_string(), sections, dialect, vendor.clone());
+        }
         Ok(())
     }
 
     /// Adds the sections of a bundle that are presets.
     pub fn add_sections(&mut self, path: &str, sections: Vec<Section>, dialect: Option<Dialect>) {
+        let vendor = vendor(sections.iter(), path);
+        self.add_of_vendor(path, sections, dialect, vendor);
+    }
+
+    fn add_of_vendor(
+        &mut self,
+        path: &str,
+        sections: Vec<Section>,
+        dialect: Option<Dialect>,
+        vendor: Option<Arc<str>>,
+    ) {
         let dialect = dialect.unwrap_or_else(|| Dialect::of_sections(&sections));
-        let vendor = sections.iter().find(|section| section.name == "vendor");
-        let vendor: Option<Arc<str>> =
-            vendor.map(|section| section.value("name").or(section.value("repo_id")).unwrap_or(path).into());
         let file = self.file(path);
         for Section { name, line, lines } in sections {
             let Some((kind, name)) = name.split_once(':') else { continue };
@@ -187,8 +221,9 @@ impl Bundles {
                 let near =
                     |&other: &usize| self.presets[other].file == preset.file && !(is_user && other == index);
                 let found = same.clone().find(|other| near(other)).or_else(|| {
-                    // A vendor's bundle is complete, a user's preset is of what is there.
-                    same.find(|&other| is_user && other != index)
+                    // A vendor's bundle is complete, if in several files; a user's preset is of what is there.
+                    let is_its = |other: usize| self.presets[other].vendor == preset.vendor;
+                    same.find(|&other| if is_user { other != index } else { is_its(other) })
                 });
                 match found {
                     Some(found) => parents.push((found, line.line)),
@@ -346,6 +381,26 @@ mod tests {
         assert_eq!(alone, [Some("1"), Some("2"), Some("3")]);
         let names: Vec<&str> = bundles.chosable(Kind::Print).map(|preset| preset.name.as_str()).collect();
         assert_eq!(names, ["A"]);
+    }
+
+    #[test]
+    fn a_bundle_may_name_the_files_that_it_is_in() {
+        let files = Files::given(
+            [
+                ("a/v.ini", "[vendor]\n[Path:Base]\n  base =base/b.ini\n[Path:M]\n  print =m/p.ini \n"),
+                ("a/base/b.ini", "[vendor]\nname = V\n[print:*c*]\nx = 1\n"),
+                ("a/m/p.ini", "[print:P]\ninherits = *c*\ny = 2\n"),
+            ]
+            .map(|(path, text)| (PathBuf::from(path), text.into())),
+        );
+        let mut bundles = Bundles::default();
+        bundles.add_file(&files, Path::new("a/v.ini"), None).unwrap();
+        let keys: Vec<String> = values(&bundles, "P").unwrap().into_keys().collect();
+        assert_eq!(keys, ["inherits", "x", "y"]);
+        let preset = bundles.find(Kind::Print, "P").unwrap();
+        assert_eq!((preset.vendor.as_deref(), &*preset.listed.place.file), (Some("V"), "a/m/p.ini"));
+        let error = bundles.add_file(&files, Path::new("a/m/none.ini"), None).unwrap_err().to_string();
+        assert!(error.starts_with("a/m/none.ini: cannot be read"), "{error}");
     }
 
     #[test]
