@@ -36,6 +36,15 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Whether it is a package with G-code.
+    #[cfg(feature = "hosts")]
+    pub fn is_package(self) -> bool {
+        match self {
+            Self::File(path) => gcode::is_package(path),
+            Self::Memory(mut bytes) => gcode::begins_package(&mut bytes).unwrap_or(false),
+        }
+    }
+
     /// The error of input that cannot be read.
     pub fn error(self, source: io::Error) -> JobError {
         InputError::Read { file: self.to_string(), source }.into()

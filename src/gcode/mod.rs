@@ -28,17 +28,19 @@ pub use effect::Effect;
 pub(crate) use effect::script_time;
 #[cfg(feature = "hosts")]
 pub(crate) use file::begins_binary;
-#[cfg(any(feature = "cli", feature = "hosts"))]
-pub(crate) use file::is_binary;
-pub(crate) use file::{Input, open, open_bytes};
-pub use file::{is_binary_name, is_gcode, is_package_name};
 #[cfg(feature = "cli")]
-pub(crate) use file::{is_package, open_stream};
+pub(crate) use file::open_stream;
+pub(crate) use file::{Input, open, open_bytes};
+#[cfg(any(feature = "cli", feature = "hosts"))]
+pub(crate) use file::{is_binary, is_package};
+pub use file::{is_binary_name, is_gcode, is_package_name};
 pub(crate) use header::calendar;
 pub use header::{Header, footer, header, labels, object_comment};
 pub use layer::{LayerText, format_layer};
 pub(crate) use number::{nearest, one_line, push_number};
 pub use options::{Flavor, GcodeSettings, PrinterSettings, ToolChangeKind, ToolChangeSettings, ToolSettings};
+#[cfg(feature = "hosts")]
+pub(crate) use package::begins_package;
 #[cfg(feature = "cli")]
 pub(crate) use package::{Parts, write as write_package};
 pub(crate) use read::NO_TOOL;

@@ -27,6 +27,8 @@ pub struct FileFacts {
     pub klipper_command: Option<String>,
     /// Whether it is binary G-code.
     pub is_binary: bool,
+    /// Whether it is a package with G-code.
+    pub is_package: bool,
 }
 
 impl FileFacts {
@@ -35,7 +37,8 @@ impl FileFacts {
     /// # Errors
     /// It cannot be read.
     pub fn read(payload: &Payload) -> io::Result<Self> {
-        let mut facts = Self { is_binary: payload.is_binary(), ..Self::default() };
+        let (is_binary, is_package) = (payload.is_binary(), payload.is_package());
+        let mut facts = Self { is_binary, is_package, ..Self::default() };
         let mut file = payload.text()?;
         let mut line = Vec::new();
         while file.read_until(b'\n', &mut line)? > 0 {
@@ -87,6 +90,12 @@ pub fn examine(
     };
     if facts.is_binary && matches!(kind, HostKind::Moonraker | HostKind::Duet) {
         return refuse("it does not read binary G-code".into(), "slice into a .gcode file");
+    }
+    if facts.is_package {
+        return refuse(
+            "it reads no package with G-code".into(),
+            "make text of it with `pathwright reorder FILE -o part.gcode`; --no-check sends it all the same",
+        );
     }
     if let (Some(command), HostKind::PrusaLink | HostKind::Duet) = (&facts.klipper_command, kind) {
         let message = format!("the file has {command}, which only Klipper knows");
@@ -221,6 +230,13 @@ mod tests {
         assert!(refused(HostKind::Moonraker, &about).contains("0.6 mm, and the printer's is 0.4 mm"));
         let about = About { nozzles_mm: vec![0.4, 0.6], ..about };
         assert!(examine("a", HostKind::Moonraker, &about, &facts).unwrap().is_empty());
+    }
+
+    #[test]
+    fn a_package_is_refused_by_every_host() {
+        let facts = FileFacts { is_package: true, ..FileFacts::default() };
+        let refused = examine("a", HostKind::OctoPrint, &About::default(), &facts).unwrap_err().to_string();
+        assert!(refused.contains("no package") && refused.contains("pathwright reorder"), "{refused}");
     }
 
     #[test]

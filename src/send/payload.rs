@@ -90,7 +90,7 @@ impl Payload {
         Ok(Counted { file: self.raw()?, left: self.bytes, done: 0, told })
     }
 
-    /// Its text, also where it is binary G-code.
+    /// Its text, also where it is binary G-code or a package.
     pub(super) fn text(&self) -> io::Result<Box<dyn Input + '_>> {
         self.source().open()
     }
@@ -98,6 +98,11 @@ impl Payload {
     /// Whether it is binary G-code.
     pub(super) fn is_binary(&self) -> bool {
         self.source().is_binary()
+    }
+
+    /// Whether it is a package with G-code.
+    pub(super) fn is_package(&self) -> bool {
+        self.source().is_package()
     }
 
     fn source(&self) -> Source<'_> {

@@ -145,6 +145,27 @@ fn paths_move_whose_filament_is_pushed_a_little_less_than_it_was_pulled() {
 }
 
 #[test]
+fn what_kisslicer_says_of_every_path_stops_none() {
+    let path = |i: &u32| {
+        let y = 5 * i;
+        format!(
+            "; Fan set to Cool value 50%\n;\n; 'Sparse Infill Path', 1.0 [feed mm/s], 30.0 [head mm/s]\n\
+             G1 X10 Y{y} E0 F9000\n; 'Destring Prime'\nG1 E1 F1800\n; head speed 30.0, filament speed 1.0, preload 0.0\n\
+             ; Prepare for Destring\nG1 X30 Y{y} E.5 F1800\n;\n\
+             ; 'Destring/Wipe/Jump Path', 0.0 [feed mm/s], 9.5 [head mm/s]\n; 'Destring Suck'\nG1 E-1 F1800\n"
+        )
+    };
+    let paths: String = BAD.iter().map(path).collect();
+    let text = format!(
+        "G28\nM83\n; BEGIN_LAYER_OBJECT z=0.2\nG1 Z.2 F600\nG1 E-1 F1800\n{paths}; END_LAYER_OBJECT z=0.2\n"
+    );
+    let result = reordered(&text, &[]);
+    let [before, after] = [&text, &result].map(|t| measure(t.as_bytes(), Mm(1.75)));
+    assert!(after.travel_mm < 0.6 * before.travel_mm, "{} → {}", before.travel_mm, after.travel_mm);
+    assert!(result.ends_with("; END_LAYER_OBJECT z=0.2\n"));
+}
+
+#[test]
 fn an_absolute_e_ends_where_it_ended() {
     let text = two_layers(false);
     let end = |text: &str| {

@@ -7,6 +7,7 @@ mod read;
 #[cfg(feature = "cli")]
 mod write;
 
-pub(super) use read::{begins_package, open};
+pub(crate) use read::begins_package;
+pub(super) use read::open;
 #[cfg(feature = "cli")]
 pub(crate) use write::{Parts, write};

@@ -16,7 +16,7 @@ pub(super) const GCODE: &str = ".gcode";
 pub(super) const SUM: &str = ".gcode.md5";
 
 /// Whether a file begins as a package does.
-pub(in crate::gcode) fn begins_package<R: Read>(file: &mut R) -> io::Result<bool> {
+pub(crate) fn begins_package<R: Read>(file: &mut R) -> io::Result<bool> {
     let mut begin = Vec::new();
     file.take(MAGIC.len() as u64).read_to_end(&mut begin)?;
     Ok(begin == MAGIC)
