@@ -331,3 +331,23 @@ fn walls_on_top_and_the_chamber_are_settings_here() {
         (1.0, 45.0, 45.0)
     );
 }
+
+#[test]
+fn scripts_of_bambu_studio_are_told_what_its_keys_say_of_filaments() {
+    let filament = (
+        "Maker/filament/pla.json",
+        r#"{"name": "PLA @M1", "inherits": "Shared PLA", "instantiation": "true", "compatible_printers": ["M1 0.4"],
+"filament_flush_temp": ["230"], "filament_flush_volumetric_speed": ["0"], "filament_max_volumetric_speed": ["21"],
+"during_print_exhaust_fan_speed": ["70"], "filament_vendor": ["Bambu Lab"], "temperature_vitrification": ["45"]}"#,
+    );
+    let config = chosen(&[filament], "M1 0.4").unwrap();
+    for (name, value) in [
+        ("flush_temperatures", "230"),
+        ("flush_volumetric_speeds", "21"),
+        ("during_print_exhaust_fan_speed_num", "178"),
+        ("min_vitrification_temperature", "45"),
+        ("is_all_bbl_filament", "1"),
+    ] {
+        assert_eq!(config.raw[name].value, value, "{name}");
+    }
+}

@@ -129,17 +129,21 @@ pub enum Function {
     ZeroDigits,
     Int,
     Round,
+    Floor,
+    Ceil,
 }
 
 /// Words that cannot be names.
 pub const KEYWORDS: &[&str] = &[
     "and",
+    "ceil",
     "digits",
     "else",
     "elsif",
     "empty",
     "endif",
     "false",
+    "floor",
     "global",
     "if",
     "int",

@@ -146,6 +146,40 @@ fn derived(config: &mut Config, values: &Values) {
     let chamber = values.all("chamber_temperature");
     let hottest = chamber.iter().filter_map(|value| value.parse::<i64>().ok()).max().unwrap_or(0);
     config.set_raw("overall_chamber_temperature", &hottest.to_string(), Some(temperature));
+    bambu(config, values);
     let word = Type { scalar: Scalar::Choice, shape: Shape::One };
     config.set_raw("curr_bed_type", rules::plate_name(plate), Some(word));
+}
+
+/// Names that Bambu Studio's scripts have for what its keys say of each filament, and of all.
+fn bambu(config: &mut Config, values: &Values) {
+    let filaments = values.all("filament_type").len().max(1);
+    let number = |name: &str, index: usize| {
+        let all = values.all(name);
+        all.get(index).or(all.first()).and_then(|value| value.parse::<f64>().ok()).unwrap_or(0.0)
+    };
+    // Where nothing is said of flushing, it is done as hot and as fast as the filament allows.
+    let or = |name: &str, other: &str, index: usize| match number(name, index) {
+        0.0 => number(other, index),
+        own => own,
+    };
+    let of_each = |value: &dyn Fn(usize) -> f64| {
+        (0..filaments).map(|index| value(index).to_string()).collect::<Vec<_>>().join(",")
+    };
+    let list = |scalar| Some(Type { scalar, shape: Shape::Each });
+    let one = |scalar| Some(Type { scalar, shape: Shape::One });
+    let speeds = of_each(&|i| or("filament_flush_volumetric_speed", "filament_max_volumetric_speed", i));
+    config.set_raw("flush_volumetric_speeds", &speeds, list(Scalar::Real));
+    let temperatures = of_each(&|i| or("filament_flush_temp", "nozzle_temperature_range_high", i));
+    config.set_raw("flush_temperatures", &temperatures, list(Scalar::Integer));
+    let fans = of_each(&|i| (number("during_print_exhaust_fan_speed", i) / 100.0 * 255.0).trunc());
+    config.set_raw("during_print_exhaust_fan_speed_num", &fans, list(Scalar::Integer));
+    let softest =
+        (0..filaments).map(|i| number("temperature_vitrification", i)).fold(f64::INFINITY, f64::min);
+    config.set_raw("min_vitrification_temperature", &softest.to_string(), one(Scalar::Integer));
+    let hardest_blown = (0..filaments).map(|i| number("additional_cooling_fan_speed", i)).fold(0.0, f64::max);
+    config.set_raw("max_additional_fan", &hardest_blown.to_string(), one(Scalar::Real));
+    let vendors = values.all("filament_vendor");
+    let is_own = !vendors.is_empty() && vendors.iter().all(|vendor| vendor == "Bambu Lab");
+    config.set_raw("is_all_bbl_filament", if is_own { "1" } else { "0" }, one(Scalar::Flag));
 }

@@ -57,6 +57,10 @@ pub(super) struct Context<'a> {
     pub moment: &'a Moment,
 }
 
+/// A print of one layer as high as this, on this area, may warp off where the chamber is cold, as Bambu Studio has it.
+const FLAT_MM: f64 = 0.3;
+const WIDE_MM2: f64 = 40_000.0;
+
 impl Context<'_> {
     fn grams(&self, volume_mm3: f64) -> f64 {
         volume_mm3 / 1000.0 * self.settings.filament.density
@@ -145,6 +149,13 @@ impl Context<'_> {
             let steps = ((high[i] - low[i]) / apart[i].max(1.0)).ceil().clamp(2.0, 100.0);
             steps as usize + 1
         }))
+    }
+
+    /// Area within the corners around the first layer, mm².
+    fn first_layer_mm2(&self) -> f64 {
+        let hull = &self.print.first_layer_hull_mm;
+        let next = hull.iter().cycle().skip(1);
+        hull.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs() / 2.0
     }
 
     /// The chamber's temperature, as the presets have it.
@@ -345,6 +356,59 @@ names! {
     "first_flush_volume", "half of what is flushed at a change, mm³": |c| Some(Value::Real(c.flush_mm3() / 2.0));
     "second_flush_volume", "the other half": |c| Some(Value::Real(c.flush_mm3() / 2.0));
     "relative_e_axis", "whether E is relative": |c| Some(Value::Flag(c.settings.gcode.relative_e));
+    "travel_point_1_x", "X of the way to a prime tower: where the nozzle is": |c| Some(micrometres(c.moment.position_mm[0]));
+    "travel_point_1_y", "the same Y": |c| Some(micrometres(c.moment.position_mm[1]));
+    "travel_point_2_x", "the same, second point": |c| Some(micrometres(c.moment.position_mm[0]));
+    "travel_point_2_y", "the same Y": |c| Some(micrometres(c.moment.position_mm[1]));
+    "travel_point_3_x", "the same, third point": |c| Some(micrometres(c.moment.position_mm[0]));
+    "travel_point_3_y", "the same Y": |c| Some(micrometres(c.moment.position_mm[1]));
+    "wipe_avoid_perimeter", "whether the way to a prime tower goes round the print: not by points": |_| Some(Value::Flag(false));
+    "wipe_avoid_pos_x", "X at which it would, mm": |c| Some(Value::Real(f64::midpoint(c.bed()[0][0], c.bed()[1][0])));
+    "wipe_tower_center_pos_valid", "whether a place beside the prime tower is told: no": |_| Some(Value::Flag(false));
+    "wipe_tower_center_pos_x", "X of that": |_| Some(Value::Real(0.0));
+    "wipe_tower_center_pos_y", "Y of that": |_| Some(Value::Real(0.0));
+    "is_prime_tower_interface", "whether materials that do not stick meet in the tower: not known": |_| Some(Value::Flag(false));
+    "has_timelapse_safe_pos", "whether a place for pictures is told: no": |_| Some(Value::Flag(false));
+    "timelapse_pos_x", "X of that": |_| Some(Value::Real(0.0));
+    "timelapse_pos_y", "Y of that": |_| Some(Value::Real(0.0));
+    "initial_no_support_tool", "the first tool for the part itself": |c| Some(whole(c.first()));
+    "initial_filament_id", "the first filament": |c| Some(whole(c.first()));
+    "initial_no_support_filament_id", "the first filament for the part itself": |c| Some(whole(c.first()));
+    "first_non_support_filaments", "the first filament for the part itself of each nozzle": |c| Some(Value::List(vec![whole(c.first())]));
+    "first_non_support_tools", "the same": |c| Some(Value::List(vec![whole(c.first())]));
+    "first_non_support_hotend", "the nozzle of each of them": |_| Some(Value::List(vec![whole(0)]));
+    "current_filament_id", "the filament in use": |c| Some(whole(c.moment.tool));
+    "next_filament_id", "the filament after a change": |c| Some(whole(c.moment.next.unwrap_or(c.moment.tool)));
+    "previous_filament_id", "the filament before a change; -1: there is none": |c| {
+        Some(Value::Integer(c.moment.before.map_or(-1, |tool| tool as i64)))
+    };
+    "initial_nozzle_id", "the first nozzle of a printer whose filaments are changed": |_| Some(whole(0));
+    "current_nozzle_id", "the nozzle in use": |_| Some(whole(0));
+    "next_nozzle_id", "the nozzle after a change": |_| Some(whole(0));
+    "current_extruder_id", "the extruder in use of a printer whose filaments are changed": |_| Some(whole(0));
+    "next_extruder_id", "the extruder after a change": |_| Some(whole(0));
+    "current_hotend", "the hot end in use": |_| Some(whole(0));
+    "next_hotend", "the hot end after a change": |_| Some(whole(0));
+    "initial_no_support_hotend", "the first hot end for the part itself": |_| Some(whole(0));
+    "nozzle_diameter_at_nozzle_id", "diameters of nozzles that a printer has in store: none": |_| Some(Value::List(Vec::new()));
+    "nozzle_volume_types", "kinds of these nozzles: none": |_| Some(Value::List(Vec::new()));
+    "old_extruder_variant", "kind of the extruder before a change: not known": |_| Some(Value::Text(String::new()));
+    "new_extruder_variant", "kind of the extruder after it": |_| Some(Value::Text(String::new()));
+    "new_extruder_retracted_length", "how far the filament after a change was left back, mm": |_| Some(Value::Real(0.0));
+    "retraction_distance_when_ec", "retraction before another nozzle is taken: none": |_| Some(Value::Real(0.0));
+    "long_retraction_when_ec", "whether that is long": |_| Some(Value::Flag(false));
+    "fan_speed", "speed of the fan: scripts of old projects ask for it": |_| Some(whole(0));
+    "max_print_z", "height of the print, whole mm": |c| Some(Value::Integer(c.print.max_z_mm.ceil() as i64));
+    "has_tpu_in_first_layer", "whether a flexible filament is printed": |c| {
+        let is_flexible = |own: &Settings| own.filament.material == "TPU";
+        Some(Value::Flag(is_flexible(c.settings) || c.tools.iter().any(is_flexible)))
+    };
+    "hold_chamber_temp_for_flat_print", "whether a print is so wide and flat that it needs a warm chamber": |c| {
+        Some(Value::Flag(c.print.max_z_mm < FLAT_MM && c.first_layer_mm2() > WIDE_MM2))
+    };
+    "enable_high_low_temp_mix", "whether materials of unlike temperatures may be mixed: no": |_| Some(Value::Flag(false));
+    "bbl_bed_temperature_gcode", "whether scripts heat the bed step by step: no": |_| Some(Value::Flag(false));
+    "bed_temperature_initial_layer_vector", "steps of that: none": |_| Some(Value::Text(String::new()));
     "overall_chamber_temperature", "temperature of the chamber, °C; 0: not heated": |c| Some(c.chamber());
     "input_filename", "name of the model's file": |c| Some(Value::Text(format!("{}.gcode", c.print.input_name)));
     "input_filename_base", "the same without its ending": |c| Some(Value::Text(c.print.input_name.clone()));

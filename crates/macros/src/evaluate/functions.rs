@@ -21,11 +21,16 @@ pub fn call(
         value.number().ok_or_else(|| context.wrong(*at, "this must be a number", value))
     };
     Ok(match function {
-        Function::Int | Function::Round => match values[0].0 {
+        Function::Int | Function::Round | Function::Floor | Function::Ceil => match values[0].0 {
             Value::Integer(integer) => Value::Integer(integer),
             _ => {
                 let real = number(0)?;
-                let real = if function == Function::Int { real.trunc() } else { real.round() };
+                let real = match function {
+                    Function::Round => real.round(),
+                    Function::Floor => real.floor(),
+                    Function::Ceil => real.ceil(),
+                    _ => real.trunc(),
+                };
                 Value::Integer(whole(context, real, at)?)
             }
         },

@@ -153,6 +153,8 @@ fn call(scanner: &mut Scanner<'_>, word: &str) -> Result<Option<Kind>, Error> {
         "zdigits" => Kind::Call(Function::ZeroDigits, arguments(scanner, 2, 3)?),
         "int" => Kind::Call(Function::Int, arguments(scanner, 1, 1)?),
         "round" => Kind::Call(Function::Round, arguments(scanner, 1, 1)?),
+        "floor" => Kind::Call(Function::Floor, arguments(scanner, 1, 1)?),
+        "ceil" => Kind::Call(Function::Ceil, arguments(scanner, 1, 1)?),
         "is_nil" => Kind::IsNil(reference(scanner)?),
         "empty" => Kind::IsEmpty(reference(scanner)?),
         "size" => Kind::Size(reference(scanner)?),
