@@ -322,6 +322,19 @@ mod tests {
     }
 
     #[test]
+    fn bambus_printers_are_told_whether_their_zone_is_printed_on() {
+        let mut settings = Settings::default();
+        let script = "{if in_head_wrap_detect_zone}yes{else}no{endif}";
+        assert_eq!(filled(script, &settings), "no\n");
+        for (low, said) in [(140.0, "yes\n"), (151.0, "no\n")] {
+            let corner = |x: f64, y: f64| toml::Value::Array([x, y].map(toml::Value::Float).to_vec());
+            let zone = vec![corner(low, 140.0), corner(256.0, 140.0), corner(256.0, 256.0)];
+            settings.variables.insert("head_wrap_detect_zone".into(), toml::Value::Array(zone));
+            assert_eq!(filled(script, &settings), said);
+        }
+    }
+
+    #[test]
     fn values_cannot_start_a_line_or_a_comment() {
         let mut settings = Settings::default();
         settings.printer.name = "evil\nM112;\rG28".into();

@@ -115,17 +115,20 @@ impl Context<'_> {
         if filament.max_flow.0 > 0.0 { flow.min(filament.max_flow.0) } else { flow }
     }
 
-    /// A variable that is a point, or a list of one.
-    fn point_of(&self, name: &str) -> Option<[f64; 2]> {
-        let mut value = self.settings.variables.get(name)?;
-        if let Some(first @ toml::Value::Array(_)) = value.as_array().and_then(|points| points.first()) {
-            value = first;
-        }
+    /// The points of a variable that is one, or a list of some.
+    fn points_of(&self, name: &str) -> Vec<[f64; 2]> {
         let number = |value: &toml::Value| value.as_float().or(value.as_integer().map(|whole| whole as f64));
-        match value.as_array()?.as_slice() {
+        let point = |value: &toml::Value| match value.as_array()?.as_slice() {
             [x, y] => Some([number(x)?, number(y)?]),
             _ => None,
-        }
+        };
+        let Some(value) = self.settings.variables.get(name) else { return Vec::new() };
+        let several = || value.as_array().into_iter().flatten().filter_map(point).collect();
+        point(value).map_or_else(several, |point| vec![point])
+    }
+
+    fn point_of(&self, name: &str) -> Option<[f64; 2]> {
+        self.points_of(name).first().copied()
     }
 
     /// The part of the bed to probe: the first layer and a margin, within what the printer can reach; for printers whose
@@ -149,6 +152,17 @@ impl Context<'_> {
             let steps = ((high[i] - low[i]) / apart[i].max(1.0)).ceil().clamp(2.0, 100.0);
             steps as usize + 1
         }))
+    }
+
+    /// Whether the box around the print meets the one around the points of a variable.
+    fn is_printed_on(&self, zone: &str) -> bool {
+        let corners = self.points_of(zone);
+        [0, 1].into_iter().all(|axis| {
+            let at = corners.iter().map(|corner| corner[axis]);
+            let (low, high) =
+                (at.clone().fold(f64::INFINITY, f64::min), at.fold(f64::NEG_INFINITY, f64::max));
+            self.print.min_mm[axis] < high && self.print.max_mm[axis] > low
+        })
     }
 
     /// Area within the corners around the first layer, mm².
@@ -328,7 +342,9 @@ names! {
         let [x, y] = c.probes()?;
         Some(Value::Text(if x.min(y) < 4 { "lagrange" } else { "bicubic" }.into()))
     };
-    "in_head_wrap_detect_zone", "whether a printer's detection zone is printed on: not known": |_| Some(Value::Flag(false));
+    "in_head_wrap_detect_zone", "whether it is printed where Bambu's printers look for filament around the nozzle": |c| {
+        Some(Value::Flag(c.is_printed_on("head_wrap_detect_zone")))
+    };
     "retraction_distance_when_cut", "retraction before filament is cut: none": |_| Some(Value::Real(0.0));
     "long_retraction_when_cut", "whether that is long": |_| Some(Value::Flag(false));
     "most_used_physical_extruder_id", "the extruder that prints most": |_| Some(whole(0));
@@ -390,8 +406,10 @@ names! {
     "current_hotend", "the hot end in use": |_| Some(whole(0));
     "next_hotend", "the hot end after a change": |_| Some(whole(0));
     "initial_no_support_hotend", "the first hot end for the part itself": |_| Some(whole(0));
-    "nozzle_diameter_at_nozzle_id", "diameters of nozzles that a printer has in store: none": |_| Some(Value::List(Vec::new()));
-    "nozzle_volume_types", "kinds of these nozzles: none": |_| Some(Value::List(Vec::new()));
+    "nozzle_diameter_at_nozzle_id", "diameters of the nozzles that a printer has in store": |c| {
+        Some(Value::List(vec![Value::Real(c.settings.printer.nozzle_diameter.0)]))
+    };
+    "nozzle_volume_types", "kinds of these nozzles": |_| Some(Value::List(vec![Value::Text("Standard".into())]));
     "old_extruder_variant", "kind of the extruder before a change: not known": |_| Some(Value::Text(String::new()));
     "new_extruder_variant", "kind of the extruder after it": |_| Some(Value::Text(String::new()));
     "new_extruder_retracted_length", "how far the filament after a change was left back, mm": |_| Some(Value::Real(0.0));
