@@ -107,7 +107,6 @@ pub(super) const ABOUT: &[&str] = &[
 
 /// In the order of their names.
 pub(super) const KEYS: &[Key] = &[
-    each("required_nozzle_HRC", Integer, "0", Idle),
     one("accel_to_decel_enable", Flag, "1", Own),
     one("accel_to_decel_factor", Percent, "50%", Under("accel_to_decel_enable")),
     each("activate_air_filtration", Flag, "0", Own),
@@ -555,6 +554,7 @@ pub(super) const KEYS: &[Key] = &[
     one("reduce_crossing_wall", Flag, "0", As("avoid_crossing_perimeters")),
     each("reduce_fan_stop_start_freq", Flag, "0", As("fan_always_on")),
     one("reduce_infill_retraction", Flag, "0", As("only_retract_when_crossing_perimeters")),
+    each("required_nozzle_HRC", Integer, "0", Idle),
     one("resolution", Real, "0.01", As("gcode_resolution")),
     one("resonance_avoidance", Flag, "0", Own),
     each("retract_before_wipe", Percent, "100%", As("retract_before_wipe")),
