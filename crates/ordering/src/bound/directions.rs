@@ -19,9 +19,43 @@ pub(super) const MOST_RUNS: usize = 300;
 pub(super) struct Directions {
     /// Run of each path.
     pub(super) run_of: Vec<u32>,
+    /// Terminals of each run.
+    terminals: Vec<Vec<u32>>,
     /// Whether a walk may begin its stage with each run.
     begins: Vec<bool>,
     stages: usize,
+}
+
+/// From one run to another.
+struct Way {
+    /// What links from stage to stage pay besides.
+    fare: i64,
+    /// The stage that they leave, if it is another.
+    stage: Option<usize>,
+    /// The number of the pair of runs, within a stage.
+    at: usize,
+}
+
+/// The cheapest links so far.
+struct Best {
+    between: Vec<Priced>,
+    up: Vec<Priced>,
+}
+
+/// No link.
+const NONE: Priced = Priced { cost: i64::MAX, from: 0, to: 0 };
+
+impl Best {
+    /// A link that costs more, fares left out, is none of the cheapest.
+    fn limit(&self, way: &Way) -> i64 {
+        let best = way.stage.map_or(&self.between[way.at], |stage| &self.up[stage]);
+        best.cost.saturating_sub(way.fare)
+    }
+
+    fn improve(&mut self, way: &Way, link: Priced) {
+        let best = way.stage.map_or(&mut self.between[way.at], |stage| &mut self.up[stage]);
+        *best = (*best).min(Priced { cost: link.cost + way.fare, ..link });
+    }
 }
 
 impl Directions {
@@ -35,7 +69,11 @@ impl Directions {
         }
         let mut begins = vec![false; runs];
         (0..).zip(&run_of).for_each(|(item, &run)| begins[run as usize] = model.may_begin_stage(item));
-        Some(Self { run_of, begins, stages: model.stages() })
+        let mut terminals = vec![Vec::new(); runs];
+        for (&run, body) in run_of.iter().zip(&model.bodies) {
+            terminals[run as usize].extend(body.first..body.last);
+        }
+        Some(Self { run_of, terminals, begins, stages: model.stages() })
     }
 
     /// The arc that a link from an item to another is.
@@ -95,56 +133,55 @@ impl Directions {
 
     /// A cheapest arborescence over the runs of each stage and the cheapest links between stages, of all links.
     pub(super) fn span_all(&self, model: &Model, prices: &Prices, fares: &Fares) -> Vec<Priced> {
-        const NONE: i64 = i64::MAX;
         let count = self.count();
-        let none = Priced { cost: NONE, from: 0, to: 0 };
-        // By head and tail.
-        let mut best = vec![none; count * count];
-        let mut up = vec![none; self.stages];
-        let items: Vec<u32> =
-            (0..model.points.len() as u32).map(|point| model.item_of_point(point)).collect();
-        let mut improve = |i: u32, j: u32, link: Priced| {
-            for (from, to) in [(i, j), (j, i)] {
-                let [tail, head] = [from, to].map(|item| self.run_of[item as usize]);
-                let [one, other] = [from, to].map(|item| model.bodies[item as usize].groups[0]);
-                let (best, link) = match one == other {
-                    true => (&mut best[head as usize * count + tail as usize], link),
-                    false => {
-                        let cost = arc(tail, head, link.cost, fares).price;
-                        (&mut up[one as usize], Priced { cost, ..link })
-                    }
-                };
-                if link < *best && model.leads(from, to) {
-                    *best = link;
+        // By tail and head; those from stage to stage, whose fares count here.
+        let mut best = Best { between: vec![NONE; count * count], up: vec![NONE; self.stages] };
+        let item = |point: u32| model.item_of_point(point);
+        for &link in prices.listed[..=1].iter().flatten() {
+            for [from, to] in [[link.from, link.to], [link.to, link.from]].map(|ends| ends.map(item)) {
+                if model.leads(from, to) {
+                    best.improve(&self.way(model, [from, to], fares), link);
                 }
             }
-        };
-        for &link in prices.listed[..=1].iter().flatten() {
-            improve(items[link.from as usize], items[link.to as usize], link);
         }
-        for (p, &i) in items.iter().enumerate() {
-            for (q, &j) in items.iter().enumerate().skip(p + 1) {
-                if self.run_of[i as usize] == self.run_of[j as usize] {
+        for (one, other) in (0..count).flat_map(|one| (one + 1..count).map(move |other| (one, other))) {
+            let [one, other] = [one, other].map(|run| &self.terminals[run]);
+            let first = [one, other].map(|terminals| model.terminals[terminals[0] as usize].item);
+            // What precedence says of two paths, it says of their runs.
+            let ways = [first, [first[1], first[0]]]
+                .map(|[from, to]| Some(self.way(model, [from, to], fares)).filter(|_| model.leads(from, to)));
+            if ways.iter().all(Option::is_none) {
+                continue;
+            }
+            for (&a, &b) in one.iter().flat_map(|a| other.iter().map(move |b| (a, b))) {
+                let (p, q) = model.nearest(a, b);
+                let cost = model.price(p, q) + prices.weights[a as usize] + prices.weights[b as usize];
+                let enough = |way: &Way| cost <= best.limit(way);
+                if !ways.iter().flatten().any(enough) || (prices.known)(a, b) {
                     continue;
                 }
-                let [a, b] = [p, q].map(|point| model.owner[point]);
-                if !(prices.known)(a, b) && model.permits(i, j) {
-                    let cost = model.price(p as u32, q as u32)
-                        + prices.weights[a as usize]
-                        + prices.weights[b as usize];
-                    let cost = cost + (prices.both)(a, b);
-                    improve(i, j, Priced { cost, from: p as u32, to: q as u32 });
-                }
+                let cost = cost + (prices.both)(a, b);
+                let link = Priced { cost, from: p.min(q), to: p.max(q) };
+                ways.iter().flatten().for_each(|way| best.improve(way, link));
             }
         }
         let (mut arcs, mut links) = (Vec::new(), Vec::new());
-        for (k, &found) in best.iter().enumerate().filter(|(_, found)| found.cost != NONE) {
-            let arc = arc((k % count) as u32, (k / count) as u32, found.cost, fares);
+        for (k, &found) in best.between.iter().enumerate().filter(|(_, found)| found.cost != NONE.cost) {
+            let arc = arc((k / count) as u32, (k % count) as u32, found.cost, fares);
             arcs.push(arc);
             links.push(Priced { cost: arc.price, ..found });
         }
-        let between = up.into_iter().filter(|link| link.cost != NONE);
+        let between = best.up.into_iter().filter(|link| link.cost != NONE.cost);
         self.solve(&mut arcs).into_iter().map(|arc| links[arc]).chain(between).collect()
+    }
+
+    fn way(&self, model: &Model, items: [u32; 2], fares: &Fares) -> Way {
+        let [tail, head] = items.map(|item| self.run_of[item as usize]);
+        let [one, other] = items.map(|item| model.bodies[item as usize].groups[0]);
+        match one == other {
+            true => Way { fare: 0, stage: None, at: tail as usize * self.count() + head as usize },
+            false => Way { fare: fares.of(tail, head), stage: Some(one as usize), at: 0 },
+        }
     }
 
     /// The numbers of the arcs in a cheapest arborescence of each stage that begins with any run which may come first.

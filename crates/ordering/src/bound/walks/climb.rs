@@ -4,7 +4,7 @@ use pathwright_geometry::real;
 
 use crate::options::Effort;
 
-use super::{Cheapest, MOST, Set, States, Walk, Walks};
+use super::{Cheapest, FAR, MOST, Set, States, Walk, Walks};
 
 /// How much is spent on a layer.
 #[derive(Clone, Copy, Debug)]
@@ -138,8 +138,8 @@ impl Walks<'_> {
                 break;
             }
             let on = self.states.costs_on(&self.poses, &cheapest);
-            let left = limit.map_or(i64::MAX, |limit| limit - 1 - cheapest.bound);
-            let few = self.states.trimmed(&self.poses, &cheapest, &on, left.min(slack as i64));
+            let left = limit.map_or(FAR, |limit| (limit - 1 - cheapest.bound) as f64);
+            let few = self.states.trimmed(&self.poses, &cheapest, &on, real::lesser(left, slack.floor()));
             let spent = LOOKS * self.work(&self.states) + self.budget.steps as u64 * self.work(&few);
             if spent > work {
                 break;

@@ -154,10 +154,10 @@ impl<'a> Walks<'a> {
         }
         for (side, passages) in passages.iter().enumerate() {
             let off = if (side == 0) == down { 1 } else { -1 };
-            for (pose, &passage) in passages.iter().enumerate().filter(|&(_, &passage)| passage < FAR / 2) {
+            for (pose, &passage) in passages.iter().enumerate().filter(|&(_, &passage)| passage < FAR / 2.0) {
                 let layer = self.layer_of[self.poses.item_of(pose) as usize];
                 let points = self.poses.points(self.model, pose, side).iter();
-                settled[layer as usize].1[side].extend(points.map(|&p| (p, off * passage)));
+                settled[layer as usize].1[side].extend(points.map(|&p| (p, off * passage as i64)));
             }
         }
         settled
@@ -165,7 +165,7 @@ impl<'a> Walks<'a> {
 
     /// The same for one layer, some of whose walks were left out: one that ended with a pose cost the limit at least, and costs
     /// that without the link out when it comes to the pose.
-    fn settle_limited(&self, limit: i64, inner: i64, cheapest: &Cheapest, ends: &[i64]) -> Settled {
+    fn settle_limited(&self, limit: i64, inner: i64, cheapest: &Cheapest, ends: &[f64]) -> Settled {
         let mut settled: Settled = (inner, Default::default());
         for (pose, &end) in ends.iter().enumerate() {
             let item = self.poses.item_of(pose);
@@ -174,10 +174,10 @@ impl<'a> Walks<'a> {
                 settled.1[side].extend(points.map(|&p| (p, price)));
             };
             if self.model.may_begin(item) {
-                add(0, -cheapest.enter[pose]);
+                add(0, -(cheapest.enter[pose] as i64));
             }
             if self.model.may_end(item) {
-                add(1, end.min(limit - cheapest.exit[pose] - inner));
+                add(1, (end as i64).min(limit - cheapest.exit[pose] as i64 - inner));
             }
         }
         settled
@@ -186,18 +186,24 @@ impl<'a> Walks<'a> {
     /// The least cost of a link into or out of the layer at a pose, and the number of the point, among its path's, where it ends.
     fn link(&self, pose: usize, side: usize) -> (i64, usize) {
         let first = self.model.range_of_item(self.poses.item_of(pose)).start;
-        self.poses.range(pose, side).map(|at| (self.links[side][first + at], at)).min().unwrap_or((FAR, 0))
+        self.poses
+            .range(pose, side)
+            .map(|at| (self.links[side][first + at], at))
+            .min()
+            .unwrap_or((FAR as i64, 0))
     }
 
     fn cheapest(&self, states: &States, multipliers: &[i64]) -> Cheapest {
-        let pays: Vec<i64> = multipliers.iter().map(|multiplier| -multiplier).collect();
-        let [enter, exit] = [0, 1]
-            .map(|side| (0..self.poses.count()).map(|pose| self.link(pose, side).0).collect::<Vec<_>>());
+        let pays: Vec<f64> = multipliers.iter().map(|&multiplier| -multiplier as f64).collect();
+        let link = |pose: usize, side: usize| self.link(pose, side).0 as f64;
+        let [enter, exit] =
+            [0, 1].map(|side| (0..self.poses.count()).map(|pose| link(pose, side)).collect::<Vec<_>>());
         let costs = states.costs(&self.poses, &enter, &pays);
         let ends = states.ends(&self.poses, &costs);
-        let (least, last) =
-            (0..ends.len()).map(|pose| (ends[pose] + exit[pose], pose)).min().unwrap_or((0, 0));
-        Cheapest { bound: least + multipliers.iter().sum::<i64>(), pays, enter, exit, costs, ends, last }
+        let whole = (0..ends.len()).map(|pose| (ends[pose] + exit[pose], pose));
+        let (least, last) = whole.reduce(|a, b| if b.0 < a.0 { b } else { a }).unwrap_or((0.0, 0));
+        let bound = least as i64 + multipliers.iter().sum::<i64>();
+        Cheapest { bound, pays, enter, exit, costs, ends, last }
     }
 
     /// The vertices at which a walk enters and leaves loops, by path, where these differ.
@@ -234,7 +240,8 @@ fn remembered(blocks: &Blocks, poses: &Poses, paths: usize) -> Vec<Set> {
     for items in &blocks.items {
         for (k, &item) in items.iter().enumerate() {
             let mut others: Vec<usize> = (0..items.len()).filter(|&other| other != k).collect();
-            others.sort_by_key(|&other| poses.least(item, items[other]));
+            let far = |other: usize| poses.least_to(items[other])[item as usize];
+            others.sort_by(|&a, &b| far(a).total_cmp(&far(b)));
             others.truncate(if items.len() <= ALL { ALL } else { NEAR });
             remembered[item as usize] = others.iter().fold(1 << k, |set: Set, other| set | 1 << other);
         }

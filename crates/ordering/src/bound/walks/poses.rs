@@ -1,7 +1,9 @@
 //! How each path can be drawn: the places of a relaxed walk.
 
 use super::super::model::{Model, price};
+use super::states::least;
 use pathwright_geometry::Point;
+use pathwright_geometry::real;
 
 /// Pieces that a free loop has at first.
 const PIECES: usize = 6;
@@ -14,10 +16,10 @@ pub(super) struct Poses {
     first: Vec<u32>,
     item: Vec<u32>,
     /// Least cost of a link from one pose to another, in fine units, row by row.
-    between: Vec<i64>,
-    /// The least of these from a pose to any of a path, and from a path to a path, row by row.
-    to_item: Vec<i64>,
-    of_items: Vec<i64>,
+    between: Vec<f64>,
+    /// The least of these to any of a path from each pose, and from each path, row by row.
+    to_item: Vec<f64>,
+    of_items: Vec<f64>,
 }
 
 impl Poses {
@@ -66,19 +68,19 @@ impl Poses {
     }
 
     /// Lengths of the links from a pose to all.
-    pub(super) fn from(&self, pose: usize) -> &[i64] {
+    pub(super) fn from(&self, pose: usize) -> &[f64] {
         &self.between[pose * self.count()..(pose + 1) * self.count()]
     }
 
-    /// Least lengths of the links from a pose to each path.
-    pub(super) fn to_items(&self, pose: usize) -> &[i64] {
-        let count = self.cuts.len();
-        &self.to_item[pose * count..(pose + 1) * count]
+    /// Least lengths of the links to a path from each pose.
+    pub(super) fn to_item(&self, item: u32) -> &[f64] {
+        &self.to_item[item as usize * self.count()..(item as usize + 1) * self.count()]
     }
 
-    /// The least length of a link from one path to another.
-    pub(super) fn least(&self, from: u32, to: u32) -> i64 {
-        self.of_items[from as usize * self.cuts.len() + to as usize]
+    /// Least lengths of the links to a path from each.
+    pub(super) fn least_to(&self, item: u32) -> &[f64] {
+        let count = self.cuts.len();
+        &self.of_items[item as usize * count..(item as usize + 1) * count]
     }
 
     /// The points, among those of the path, where a pose begins (0) or ends (1).
@@ -135,8 +137,8 @@ impl Poses {
         }
         let (count, items) = (self.count(), self.cuts.len());
         let mut between = Vec::with_capacity(count * count);
-        let mut to_item = Vec::with_capacity(count * items);
-        let mut of_items = vec![i64::MAX; items * items];
+        let mut to_item = vec![0.0; count * items];
+        let mut of_items = vec![f64::INFINITY; items * items];
         for (p, &from) in self.item.iter().enumerate() {
             let leave = self.points(model, p, 1);
             for to in 0..items as u32 {
@@ -144,22 +146,22 @@ impl Poses {
                 let kind = model.kind(from, to);
                 if !model.permits(from, to) {
                     // None leads there.
-                    between.resize(begin + self.of(to).len(), 0);
+                    between.resize(begin + self.of(to).len(), 0.0);
                 } else if changed[from as usize] || changed[to as usize] {
                     between.extend(self.of(to).map(|q| {
                         let enter = self.points(model, q, 0);
                         let (a, b) = nearest(leave, enter);
-                        price(&model.cost, leave[a], enter[b], kind)
+                        price(&model.cost, leave[a], enter[b], kind) as f64
                     }));
                 } else {
                     let row = old_first[from as usize] as usize + p - self.first[from as usize] as usize;
                     let own = old_first[to as usize] as usize..old_first[to as usize + 1] as usize;
                     between.extend(&self.between[row * old_count..][own]);
                 }
-                let least = between[begin..].iter().copied().min().unwrap_or(0);
-                to_item.push(least);
-                let at = &mut of_items[from as usize * items + to as usize];
-                *at = (*at).min(least);
+                let least = least(between[begin..].iter().copied());
+                to_item[to as usize * count + p] = least;
+                let at = &mut of_items[to as usize * items + from as usize];
+                *at = real::lesser(least, *at);
             }
         }
         (self.between, self.to_item, self.of_items) = (between, to_item, of_items);

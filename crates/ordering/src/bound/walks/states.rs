@@ -4,6 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::blocks::{Blocks, Set};
 use super::poses::Poses;
+use pathwright_geometry::real;
 
 /// A path being drawn, after so many of its block, and what is remembered of those before it.
 struct State {
@@ -35,17 +36,44 @@ pub(super) type Walk = Vec<usize>;
 
 /// The cheapest relaxed walks under some multipliers.
 pub(super) struct Cheapest {
-    pub(super) pays: Vec<i64>,
-    pub(super) enter: Vec<i64>,
-    pub(super) exit: Vec<i64>,
+    pub(super) pays: Vec<f64>,
+    pub(super) enter: Vec<f64>,
+    pub(super) exit: Vec<f64>,
     pub(super) costs: Costs,
     /// To each pose, as the last.
-    pub(super) ends: Vec<i64>,
+    pub(super) ends: Vec<f64>,
     pub(super) last: usize,
     pub(super) bound: i64,
 }
 
-pub(super) const FAR: i64 = i64::MAX / 4;
+/// More than any walk costs. Costs are whole numbers of fine units, far fewer than the 2⁵³ up to which sums are exact: processors
+/// compare two real numbers at once, but not two integers so long.
+pub(super) const FAR: f64 = 1e15;
+
+/// The least of some costs.
+pub(super) fn least(costs: impl Iterator<Item = f64>) -> f64 {
+    costs.fold(FAR, real::lesser)
+}
+
+/// Numbers that are compared at once.
+const LANES: usize = 4;
+
+/// The greatest of some costs.
+fn greatest(costs: &[f64]) -> f64 {
+    let (fours, rest) = costs.as_chunks::<LANES>();
+    let mut most = [f64::MIN; LANES];
+    for four in fours {
+        most = std::array::from_fn(|k| real::greater(four[k], most[k]));
+    }
+    most.into_iter().chain(rest.iter().copied()).fold(f64::MIN, real::greater)
+}
+
+/// Lowers costs to what they are by way of something that costs `so_far`.
+fn lower(costs: &mut [f64], so_far: f64, lengths: &[f64]) {
+    for (cost, &length) in costs.iter_mut().zip(lengths) {
+        *cost = real::lesser(so_far + length, *cost);
+    }
+}
 
 impl States {
     /// The walks that remember at each path those in its set of `remembered`, paths being numbered within their blocks. `None` if
@@ -173,10 +201,12 @@ impl States {
 
     /// What the cheapest walk to each pose of each state costs, state after state. A walk pays `enter` at the first pose, the links, and
     /// `pays` for each path.
-    pub(super) fn costs(&self, poses: &Poses, enter: &[i64], pays: &[i64]) -> Costs {
+    pub(super) fn costs(&self, poses: &Poses, enter: &[f64], pays: &[f64]) -> Costs {
         let mut first = Vec::with_capacity(self.states.len());
-        let mut costs: Vec<i64> = Vec::new();
-        let mut least: Vec<i64> = Vec::with_capacity(self.states.len());
+        let mut costs: Vec<f64> = Vec::new();
+        // The least cost of each state, and its path.
+        let mut leasts: Vec<(f64, u32)> = Vec::with_capacity(self.states.len());
+        let mut promises: Vec<f64> = Vec::new();
         for state in &self.states {
             let own = poses.of(state.item);
             let begin = costs.len();
@@ -187,38 +217,40 @@ impl States {
                 costs.resize(begin + own.len(), FAR);
             }
             let (earlier, here) = costs.split_at_mut(begin);
-            let mut worst = here.iter().copied().max().unwrap_or(0);
+            let mut worst = greatest(here);
             let before = &self.from[state.from.0 as usize..state.from.1 as usize];
-            let promise =
-                |from: u32| least[from as usize] + poses.least(self.states[from as usize].item, state.item);
+            let (from_items, from_poses) = (poses.least_to(state.item), poses.to_item(state.item));
+            promises.clear();
+            promises.extend(before.iter().map(|&from| {
+                let (least, item) = leasts[from as usize];
+                least + from_items[item as usize]
+            }));
             // The most promising first: it shows that most others cannot do better anywhere.
-            let first_from = before.iter().copied().min_by_key(|&from| promise(from));
-            for from in first_from.into_iter().chain(before.iter().copied()) {
-                if promise(from) >= worst {
+            let best = (0..before.len()).reduce(|a, b| if promises[b] < promises[a] { b } else { a });
+            for k in best.into_iter().chain(0..before.len()) {
+                if promises[k] >= worst {
                     continue;
                 }
-                let other = poses.of(self.states[from as usize].item);
-                let far = &earlier[first[from as usize] as usize..][..other.len()];
-                for (p, &so_far) in other.zip(far) {
-                    if so_far + poses.to_items(p)[state.item as usize] >= worst {
+                let from = before[k] as usize;
+                let other = poses.of(leasts[from].1);
+                let far = &earlier[first[from] as usize..][..other.len()];
+                for ((p, &so_far), to_here) in other.clone().zip(far).zip(&from_poses[other]) {
+                    if so_far + to_here >= worst {
                         continue;
                     }
-                    let lengths = &poses.from(p)[own.clone()];
-                    for (cost, &length) in here.iter_mut().zip(lengths) {
-                        *cost = (*cost).min(so_far + length);
-                    }
-                    worst = here.iter().copied().max().unwrap_or(0);
+                    lower(here, so_far, &poses.from(p)[own.clone()]);
+                    worst = greatest(here);
                 }
             }
             let pay = pays[state.item as usize];
             here.iter_mut().for_each(|cost| *cost += pay);
-            least.push(here.iter().copied().min().unwrap_or(FAR));
+            leasts.push((least(here.iter().copied()), state.item));
         }
         Costs { first, costs }
     }
 
     /// The same from each pose of each state, itself not counted, to the end, where it pays `exit`.
-    pub(super) fn costs_on(&self, poses: &Poses, cheapest: &Cheapest) -> Vec<i64> {
+    pub(super) fn costs_on(&self, poses: &Poses, cheapest: &Cheapest) -> Vec<f64> {
         let Cheapest { pays, exit, costs: there, .. } = cheapest;
         let mut costs = vec![FAR; there.costs.len()];
         for (state, &first) in self.states.iter().zip(&there.first).rev() {
@@ -228,17 +260,17 @@ impl States {
             if state.ends {
                 here.copy_from_slice(&exit[own.clone()]);
             }
-            let least = here.iter().copied().min().unwrap_or(FAR);
+            let least_on = least(here.iter().copied());
             for &from in &self.from[state.from.0 as usize..state.from.1 as usize] {
                 let item = self.states[from as usize].item;
                 let other = poses.of(item);
                 let far = &mut before[there.first[from as usize] as usize..][..other.len()];
                 let pay = pays[state.item as usize];
                 for (p, cost) in other.zip(far) {
-                    if poses.to_items(p)[state.item as usize] + least + pay < *cost {
+                    if poses.to_item(state.item)[p] + least_on + pay < *cost {
                         let on =
                             poses.from(p)[own.clone()].iter().zip(&*here).map(|(length, on)| length + on);
-                        *cost = (*cost).min(pay + on.min().unwrap_or(FAR));
+                        *cost = real::lesser(pay + least(on), *cost);
                     }
                 }
             }
@@ -247,15 +279,15 @@ impl States {
     }
 
     /// The part of the graph through which walks lead that cost little more than the cheapest.
-    pub(super) fn trimmed(&self, poses: &Poses, cheapest: &Cheapest, on: &[i64], slack: i64) -> Self {
+    pub(super) fn trimmed(&self, poses: &Poses, cheapest: &Cheapest, on: &[f64], slack: f64) -> Self {
         let Cheapest { pays, exit, costs, ends, last, .. } = cheapest;
         let first = &costs.first;
-        let limit = (ends[*last] + exit[*last]).saturating_add(slack);
-        let least = |values: &dyn Fn(usize) -> i64, state: usize| {
+        let limit = ends[*last] + exit[*last] + slack;
+        let least_of = |values: &dyn Fn(usize) -> f64, state: usize| {
             let first = costs.first[state] as usize;
-            (first..first + poses.of(self.states[state].item).len()).map(values).min().unwrap_or(FAR)
+            least((first..first + poses.of(self.states[state].item).len()).map(values))
         };
-        let leads = |from: usize, to: usize, limit: i64| {
+        let leads = |from: usize, to: usize, limit: f64| {
             let (a, b) = (poses.of(self.states[from].item), poses.of(self.states[to].item));
             let costs = &costs.costs[costs.first[from] as usize..];
             let on = &on[first[to] as usize..][..b.len()];
@@ -266,18 +298,18 @@ impl States {
         let mut number = vec![u32::MAX; self.states.len()];
         let (mut states, mut from): (Vec<State>, Vec<u32>) = (Vec::new(), Vec::new());
         for (k, state) in self.states.iter().enumerate() {
-            if least(&|at| costs.costs[at].saturating_add(on[at]), k) > limit {
+            if least_of(&|at| costs.costs[at] + on[at], k) > limit {
                 continue;
             }
-            let to = least(&|at| on[at], k) + pays[state.item as usize];
+            let to = least_of(&|at| on[at], k) + pays[state.item as usize];
             number[k] = states.len() as u32;
             let begin = from.len() as u32;
             for &other in &self.from[state.from.0 as usize..state.from.1 as usize] {
                 if number[other as usize] == u32::MAX {
                     continue;
                 }
-                let link = poses.least(self.states[other as usize].item, state.item);
-                if least(&|at| costs.costs[at], other as usize) + link + to <= limit
+                let link = poses.least_to(state.item)[self.states[other as usize].item as usize];
+                if least_of(&|at| costs.costs[at], other as usize) + link + to <= limit
                     && leads(other as usize, k, limit - pays[state.item as usize])
                 {
                     from.push(number[other as usize]);
@@ -289,19 +321,19 @@ impl States {
     }
 
     /// What the cheapest walk that ends with each pose costs.
-    pub(super) fn ends(&self, poses: &Poses, costs: &Costs) -> Vec<i64> {
+    pub(super) fn ends(&self, poses: &Poses, costs: &Costs) -> Vec<f64> {
         let mut ends = vec![FAR; poses.count()];
         for (state, &first) in self.states.iter().zip(&costs.first).filter(|(state, _)| state.ends) {
             let own = poses.of(state.item);
             let here = &costs.costs[first as usize..][..own.len()];
-            own.zip(here).for_each(|(pose, &cost)| ends[pose] = ends[pose].min(cost));
+            own.zip(here).for_each(|(pose, &cost)| ends[pose] = real::lesser(cost, ends[pose]));
         }
         ends
     }
 
     /// What it takes to come to each pose as the first of its layer, and what to draw all paths from there to the last of the layer;
     /// if `down`, what it takes to go on from the first pose, and from the last.
-    pub(super) fn passages(&self, poses: &Poses, cheapest: &Cheapest, down: bool) -> [Vec<i64>; 2] {
+    pub(super) fn passages(&self, poses: &Poses, cheapest: &Cheapest, down: bool) -> [Vec<f64>; 2] {
         let Cheapest { pays, costs, .. } = cheapest;
         let on = down.then(|| self.costs_on(poses, cheapest));
         let mut passages = [vec![FAR; poses.count()], vec![FAR; poses.count()]];
@@ -312,16 +344,16 @@ impl States {
             // What is drawn counts between the two.
             let counted = if down { pay } else { -pay };
             for (side, counted) in
-                [(0, counted), (1, 0)].into_iter().filter(|&(side, _)| [state.opens, state.closes][side])
+                [(0, counted), (1, 0.0)].into_iter().filter(|&(side, _)| [state.opens, state.closes][side])
             {
                 for (pose, &value) in own.clone().zip(values) {
                     let passage = &mut passages[side][pose];
                     // What is taken off must not be too little.
-                    let known = *passage < FAR / 2;
+                    let known = *passage < FAR / 2.0;
                     *passage = if known && down && side == 1 {
-                        value.max(*passage)
+                        real::greater(value, *passage)
                     } else {
-                        (value + counted).min(*passage)
+                        real::lesser(value + counted, *passage)
                     };
                 }
             }
@@ -367,5 +399,5 @@ impl States {
 pub(super) struct Costs {
     /// First cost of each state.
     first: Vec<u32>,
-    costs: Vec<i64>,
+    costs: Vec<f64>,
 }
