@@ -9,6 +9,7 @@
 
 mod blocks;
 mod climb;
+mod costs;
 mod poses;
 mod states;
 
@@ -18,9 +19,10 @@ use blocks::Blocks;
 pub(super) use blocks::MOST;
 use blocks::Set;
 pub(super) use climb::Budget;
+use costs::FAR;
 use pathwright_geometry::Point;
 use poses::Poses;
-use states::{Cheapest, FAR, States, Walk};
+use states::{Cheapest, States, Walk};
 
 /// The relaxed walks of a layer, and their multipliers.
 pub(super) struct Walks<'a> {

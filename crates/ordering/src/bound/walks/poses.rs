@@ -1,7 +1,7 @@
 //! How each path can be drawn: the places of a relaxed walk.
 
 use super::super::model::{Model, price};
-use super::states::least;
+use super::costs::least;
 use pathwright_geometry::Point;
 use pathwright_geometry::real;
 

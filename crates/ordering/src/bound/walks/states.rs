@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::blocks::{Blocks, Set};
+use super::costs::{FAR, greatest, least, lower};
 use super::poses::Poses;
 use pathwright_geometry::real;
 
@@ -44,35 +45,6 @@ pub(super) struct Cheapest {
     pub(super) ends: Vec<f64>,
     pub(super) last: usize,
     pub(super) bound: i64,
-}
-
-/// More than any walk costs. Costs are whole numbers of fine units, far fewer than the 2⁵³ up to which sums are exact: processors
-/// compare two real numbers at once, but not two integers so long.
-pub(super) const FAR: f64 = 1e15;
-
-/// The least of some costs.
-pub(super) fn least(costs: impl Iterator<Item = f64>) -> f64 {
-    costs.fold(FAR, real::lesser)
-}
-
-/// Numbers that are compared at once.
-const LANES: usize = 4;
-
-/// The greatest of some costs.
-fn greatest(costs: &[f64]) -> f64 {
-    let (fours, rest) = costs.as_chunks::<LANES>();
-    let mut most = [f64::MIN; LANES];
-    for four in fours {
-        most = std::array::from_fn(|k| real::greater(four[k], most[k]));
-    }
-    most.into_iter().chain(rest.iter().copied()).fold(f64::MIN, real::greater)
-}
-
-/// Lowers costs to what they are by way of something that costs `so_far`.
-fn lower(costs: &mut [f64], so_far: f64, lengths: &[f64]) {
-    for (cost, &length) in costs.iter_mut().zip(lengths) {
-        *cost = real::lesser(so_far + length, *cost);
-    }
 }
 
 impl States {
