@@ -151,9 +151,9 @@ impl Folder {
         if is_profile(path) {
             return Some(&mut self.changes);
         }
-        match instance::ENDINGS.iter().find(|ending| name.ends_with(**ending))? {
-            &".xml.fdm_material" => Some(&mut self.materials),
-            &".inst.cfg" => {
+        match *instance::ENDINGS.iter().find(|ending| name.ends_with(**ending))? {
+            ".xml.fdm_material" => Some(&mut self.materials),
+            ".inst.cfg" => {
                 let folders = path.parent()?.iter().rev();
                 let innermost =
                     folders.filter_map(|folder| folder.to_str()).find(|name| KNOWN.contains(name));
