@@ -3,6 +3,7 @@
 
 use std::cell::{LazyCell, OnceCell};
 
+use geometry::real;
 use geometry::{EdgeGrid, Point, Polygon, Region};
 
 use super::Path;
@@ -18,8 +19,34 @@ const DANGLE_MM: f64 = 1.5;
 const PROBES: u32 = 16;
 const PROBE: f64 = 0.25;
 
+/// A gap bead that nothing holds may go on so far between the walls that span the same air.
+const GAP_REACH_MM: f64 = 6.0;
+
+/// Directions beyond an end: so many to each side, so far from each other, and how many steps are looked at in them.
+#[derive(Clone, Copy)]
+struct Ways {
+    turns: i32,
+    probes: u32,
+}
+const TURN_RAD: f64 = std::f64::consts::FRAC_PI_8;
+const ASIDE: Ways = Ways { turns: 4, probes: 10 };
+
 /// A bead over air between ends nearer than this share of it is a loop that turns there, not a bridge.
 const TURN: f64 = 0.5;
+
+/// The end of a path that hangs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LooseEnd {
+    pub path: usize,
+    /// Whether it is the path's first vertex, not its last.
+    pub is_start: bool,
+}
+
+/// The end of a bead that hangs, and a point before it.
+struct Onward {
+    behind: [f64; 2],
+    end: [f64; 2],
+}
 
 /// The layer beneath.
 #[derive(Debug)]
@@ -43,21 +70,55 @@ impl<'a> Beneath<'a> {
         self.holds(Point::from_mm(x, y))
     }
 
-    /// Extends single beads that end over air, just before an anchor, until they lie on it.
-    pub fn reach(&self, paths: &mut [Path], island: &Polygon) {
+    /// Extends single beads that end over air, just before an anchor, until they lie on it; those in gaps that nothing holds go
+    /// on to one further away. The ends that still hang.
+    pub fn reach(&self, paths: &mut [Path], island: &Polygon) -> Vec<LooseEnd> {
         let inside = LazyCell::new(|| EdgeGrid::of(island));
-        for path in paths.iter_mut().filter(|path| !path.closed) {
+        let mut loose = Vec::new();
+        for (index, path) in paths.iter_mut().enumerate().filter(|(_, path)| !path.closed) {
             let Width::PerVertex(widths) = &mut path.width else { continue };
-            for _ in 0..2 {
-                let width_mm = widths.last().copied().unwrap_or_default();
-                if let Some(tip) = self.beyond(&path.points, f64::from(width_mm))
-                    && inside.contains(tip)
-                {
-                    path.points.push(tip);
-                    widths.push(width_mm);
+            let mut floats = None;
+            for is_start in [false, true] {
+                let width_mm = f64::from(widths.last().copied().unwrap_or_default());
+                if let Some(onward) = self.onward(&path.points) {
+                    let floats = *floats
+                        .get_or_insert_with(|| path.role == Role::GapFill && self.floats(&path.points));
+                    let probes = if floats { (GAP_REACH_MM / (PROBE * width_mm)) as u32 } else { PROBES };
+                    let is_free = |tip| self.is_inside(&inside, onward.end, tip);
+                    match self.beyond(&onward, Ways { turns: 0, probes }, width_mm, is_free) {
+                        Some(tip) => {
+                            path.points.push(tip);
+                            widths.push(width_mm as f32);
+                        }
+                        None => loose.push(LooseEnd { path: index, is_start }),
+                    }
                 }
                 path.points.reverse();
                 widths.reverse();
+            }
+        }
+        loose
+    }
+
+    /// Extends lines that end over air beside an anchor until they lie on it, whichever way, but not into the outermost wall
+    /// of the island.
+    pub fn reach_aside(&self, paths: &mut [Path], island: &Polygon) {
+        let edge = LazyCell::new(|| EdgeGrid::of(island));
+        for path in paths.iter_mut().filter(|path| !path.closed) {
+            let width_mm = path.width.widest_mm();
+            let is_free = |tip| edge.contains(tip) && edge.distance_mm(tip, width_mm) >= width_mm;
+            for _ in 0..2 {
+                let onward = self.onward(&path.points);
+                if let Some(tip) = onward.and_then(|onward| self.beyond(&onward, ASIDE, width_mm, is_free)) {
+                    path.points.push(tip);
+                    if let Width::PerVertex(widths) = &mut path.width {
+                        widths.extend(widths.last().copied());
+                    }
+                }
+                path.points.reverse();
+                if let Width::PerVertex(widths) = &mut path.width {
+                    widths.reverse();
+                }
             }
         }
     }
@@ -74,17 +135,51 @@ impl<'a> Beneath<'a> {
             && !hangs(Role::ExternalPerimeter)
     }
 
-    /// Where a bead that hangs at its end would lie on what is beyond that.
-    fn beyond(&self, points: &[Point], width_mm: f64) -> Option<Point> {
+    /// Whether nothing is under a bead.
+    fn floats(&self, points: &[Point]) -> bool {
+        !along(points.iter().map(|p| p.mm()), STEP_MM).any(|(at, _)| self.holds_at(at))
+    }
+
+    /// Whether the way from a bead's end to a tip lies within the island.
+    fn is_inside(&self, island: &EdgeGrid, end: [f64; 2], tip: Point) -> bool {
+        let mut way = along([end, tip.mm()].into_iter(), STEP_MM).skip(1);
+        island.contains(tip) && way.all(|([x, y], _)| island.contains(Point::from_mm(x, y)))
+    }
+
+    /// The end of a bead, if it hangs there, and a point further back of what hangs.
+    fn onward(&self, points: &[Point]) -> Option<Onward> {
         let end = points.last()?.mm();
         let mut back =
             along(points.iter().rev().map(|p| p.mm()), STEP_MM).take_while(|(at, _)| !self.holds_at(*at));
         let (behind, _) = back.find(|&(_, along_mm)| along_mm >= DANGLE_MM)?;
-        let length_mm = geometry::distance_mm(behind, end);
-        let extended = |mm: f64| [0, 1].map(|k| end[k] + mm * (end[k] - behind[k]) / length_mm);
-        let mut probes = (1..=PROBES).map(|i| f64::from(i) * PROBE * width_mm);
-        let [x, y] = extended(probes.find(|&mm| self.holds_at(extended(mm)))? + width_mm / 2.0);
-        (length_mm > 0.0).then(|| Point::from_mm(x, y))
+        Some(Onward { behind, end })
+    }
+
+    /// Where a bead that hangs at its end would lie on what is beyond that.
+    fn beyond(
+        &self,
+        Onward { behind, end }: &Onward,
+        ways: Ways,
+        width_mm: f64,
+        is_free: impl Fn(Point) -> bool,
+    ) -> Option<Point> {
+        let length_mm = geometry::distance_mm(*behind, *end);
+        if length_mm <= 0.0 {
+            return None;
+        }
+        let ahead = [0, 1].map(|k| (end[k] - behind[k]) / length_mm);
+        let tip = |probe: u32, turn: i32| {
+            let (sine, cosine) = real::sin_cos(f64::from(turn) * TURN_RAD);
+            let way = [ahead[0] * cosine - ahead[1] * sine, ahead[1] * cosine + ahead[0] * sine];
+            let at = |mm: f64| [0, 1].map(|k| end[k] + mm * way[k]);
+            let probe_mm = f64::from(probe) * PROBE * width_mm;
+            let [x, y] = at(probe_mm + width_mm / 2.0);
+            self.holds_at(at(probe_mm)).then(|| Point::from_mm(x, y))
+        };
+        let turns =
+            |probe| (-ways.turns..=ways.turns).filter_map(move |turn| Some((turn, tip(probe, turn)?)));
+        let nearest = (1..=ways.probes).find_map(|probe| turns(probe).min_by_key(|(turn, _)| turn.abs()));
+        nearest.map(|(_, tip)| tip).filter(|&tip| is_free(tip))
     }
 
     /// Whether a loop runs over air without being a bridge: no part of it is supported, or it turns back over air.

@@ -12,10 +12,13 @@ use super::path::{Path, Role, Width};
 /// What hangs over less than this holds by itself.
 const DANGLE_MM: f64 = 2.2;
 
+/// Sparse lines that hang over more than this are cut off.
+const CUT_MM: f64 = 3.0;
+
 /// Lines no longer than this that nothing holds are left out.
 const LOOSE_MM: f64 = 3.5;
 
-/// Lines go on by at most this much,
+/// Lines go on, or are cut off, by at most this much,
 const LONGEST_MM: f64 = 5.0;
 
 /// at first over the lines beside their end: so many widths.
@@ -28,7 +31,7 @@ const STEP_MM: f64 = 0.15;
 const BACK_MM: f64 = 0.3;
 
 /// So much of its width beside a line beneath, a line still lies on it.
-const BESIDE: f64 = 0.6;
+const BESIDE: f64 = 0.35;
 
 /// Directions in which an end goes on: this many on each side, so far from each other.
 const TURNS: i32 = 4;
@@ -38,7 +41,8 @@ const TURN_RAD: f64 = PI / 8.0;
 const STRAIGHT: f64 = 0.3;
 
 /// Extends the lines of infill whose ends hang over sparse infill beneath, through the layer's own `sparse` zone or into the
-/// walls around `inside`. Leaves out short solid ones that nothing holds.
+/// walls around `inside`. Sparse ones for which there is no way end where they are held. Leaves out short solid ones that
+/// nothing holds.
 pub(super) fn extend(
     paths: &mut Vec<Path>,
     first: usize,
@@ -58,6 +62,16 @@ pub(super) fn extend(
         let is_infill = matches!(path.role, Role::SolidInfill | Role::InternalInfill);
         index <= first || !is_infill || room.extend(path)
     });
+}
+
+/// A point of a line.
+struct LookedAt {
+    point: Point,
+    /// The vertex before it.
+    before: usize,
+    /// How far it is from the end.
+    back_mm: f64,
+    is_held: bool,
 }
 
 /// Where lines may go on.
@@ -84,22 +98,24 @@ impl<I: Fn(Point) -> bool, F: Fn(Point) -> bool> Room<'_, I, F> {
             if let Width::PerVertex(widths) = &mut path.width {
                 widths.reverse();
             }
+            if !self.hangs(path, DANGLE_MM) {
+                continue;
+            }
             if let Some(tip) = self.tip(path, width_mm) {
                 path.points.push(tip);
                 if let Width::PerVertex(widths) = &mut path.width {
                     widths.push(width_mm as f32);
                 }
+            } else if !is_solid && self.hangs(path, CUT_MM) {
+                self.cut(path);
             }
         }
-        true
+        path.points.len() > 1
     }
 
     /// Where the end of a line that hangs there would be held.
     fn tip(&self, path: &Path, width_mm: f64) -> Option<Point> {
         let [.., before, end] = path.points[..] else { return None };
-        if !self.hangs(path, DANGLE_MM) {
-            return None;
-        }
         let [x, y] = (end - before).mm();
         let onward_rad = real::atan2(y, x);
         let ways = (-TURNS..=TURNS).filter_map(|turn| {
@@ -111,31 +127,50 @@ impl<I: Fn(Point) -> bool, F: Fn(Point) -> bool> Room<'_, I, F> {
         ways.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, tip)| tip)
     }
 
+    /// Ends a sparse line that hangs where it is held last, if that is near: what is far may be held by what is not known here.
+    fn cut(&self, path: &mut Path) {
+        let near = |at: &LookedAt| at.back_mm <= LONGEST_MM;
+        let held = self.looked_at(path).take_while(near).find(|at| at.is_held);
+        let Some(LookedAt { before, point: end, .. }) = held else { return };
+        path.points.truncate(before + 1);
+        if let Width::PerVertex(widths) = &mut path.width {
+            widths.truncate(before + 2);
+        }
+        if path.points[before] != end {
+            path.points.push(end);
+        } else if let Width::PerVertex(widths) = &mut path.width {
+            widths.pop();
+        }
+    }
+
     /// Whether nothing holds a line over so much of its end.
     fn hangs(&self, path: &Path, over_mm: f64) -> bool {
+        let mut looked_at = self.looked_at(path);
+        let first = looked_at.find(|at| at.is_held || at.back_mm > over_mm);
+        first.is_none_or(|at| at.back_mm > over_mm)
+    }
+
+    /// Points of a line, from its end.
+    fn looked_at(&self, path: &Path) -> impl Iterator<Item = LookedAt> {
         let width_mm = |i: usize| match &path.width {
             Width::Constant(width_mm) => *width_mm,
             Width::PerVertex(widths) => f64::from(widths[i]),
         };
         let mut walked_mm = 0.0;
-        for (i, pair) in path.points.windows(2).enumerate().rev() {
+        path.points.windows(2).enumerate().rev().flat_map(move |(before, pair)| {
             let length_mm = pair[0].distance_mm(pair[1]);
             let count = (length_mm / BACK_MM).ceil().max(1.0);
             let ([ax, ay], [bx, by]) = (pair[0].mm(), pair[1].mm());
-            let reach_mm = BESIDE * width_mm(i).min(width_mm(i + 1));
-            for step in 0..count as u32 {
-                let share = f64::from(step) / count;
-                if walked_mm + share * length_mm > over_mm {
-                    return true;
-                }
-                let p = Point::from_mm(bx + share * (ax - bx), by + share * (ay - by));
-                if self.hollow.holds(p, reach_mm) {
-                    return false;
-                }
-            }
+            let reach_mm = BESIDE * width_mm(before).min(width_mm(before + 1));
+            let from_mm = walked_mm;
             walked_mm += length_mm;
-        }
-        true
+            (0..count as u32).map(move |step| {
+                let share = f64::from(step) / count;
+                let point = Point::from_mm(bx + share * (ax - bx), by + share * (ay - by));
+                let back_mm = from_mm + share * length_mm;
+                LookedAt { point, before, back_mm, is_held: self.hollow.holds(point, reach_mm) }
+            })
+        })
     }
 
     /// How far it is to something that holds, through what is free.

@@ -6,6 +6,7 @@ use super::known_walls::{IslandWalls, KnownWalls};
 use super::layer_builder::LayerBuilder;
 use super::options::{FuzzySettings, WallOrder, WallSettings};
 use super::single::{self, Count};
+use super::stems;
 use super::walls::{self, WallSpec, Walls};
 use super::{IslandId, Path, Phase, Role};
 use crate::units::Mm;
@@ -173,9 +174,11 @@ impl WallPlanner<'_> {
     }
 
     /// Changes the walls of an island so that the layer beneath holds them.
-    fn hold(&self, paths: &mut [Path], polygon: &Polygon, support_below: &Beneath<'_>) {
-        support_below.reach(paths, polygon);
-        if self.walls.order == WallOrder::InnerFirst && support_below.outer_first(paths) {
+    fn hold(&self, paths: &mut Vec<Path>, polygon: &Polygon, support_below: &Beneath<'_>) {
+        let loose = support_below.reach(paths, polygon);
+        let waits = self.walls.order == WallOrder::InnerFirst && support_below.outer_first(paths);
+        stems::join(paths, &loose, support_below);
+        if waits {
             for path in paths {
                 if let Phase::Wall(place) = &mut path.phase {
                     *place = self.walls.count - 1 - *place;

@@ -28,6 +28,7 @@ mod shell_windows;
 mod shells;
 mod single;
 mod spiral;
+mod stems;
 pub mod support;
 mod tools;
 mod unfold;

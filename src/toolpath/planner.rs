@@ -382,6 +382,7 @@ impl Planner {
         if let Some(support_below) = support_below.as_ref().filter(|_| self.settings.bridge.enabled) {
             let line = self.bridge_line(widths.solid_mm, section.height_mm);
             let anchor_mm = self.settings.bridge.anchor.0;
+            let first = layer.paths.len();
             for bridge in
                 bridges::take(&mut zones, &inside, polygon, support_below, line.spacing_mm, anchor_mm)
             {
@@ -390,6 +391,7 @@ impl Planner {
                     None => layer.bridge(&bridge, &line, settings),
                 }
             }
+            support_below.reach_aside(&mut layer.paths[first..], polygon);
         }
         if settings.solid_area > 0.0 && settings.density.0 > 0.0 {
             zones.fill_small(settings.solid_area);

@@ -1,9 +1,11 @@
 //! What is laid over air, checked on sections made here.
 
-use crate::support::toolpath_plan::{job, length_mm, of_role, plan, rectangle, ring, with_hole};
+use crate::support::toolpath_plan::{
+    covers_beyond, job, length_mm, of_role, plan, rectangle, ring, with_hole,
+};
 use pathwright::geometry::{self, Point, Polygon, Region};
 use pathwright::profile::WallGenerator;
-use pathwright::toolpath::{LayerPaths, Path, Role, Width};
+use pathwright::toolpath::{LayerPaths, Path, Role};
 use pathwright::units::Ratio;
 
 /// The layer that closes an opening: full sections on top of sections with it.
@@ -145,6 +147,66 @@ fn the_surface_goes_on_under_ribs_of_walls_alone_but_not_under_what_has_infill()
     }
 }
 
+/// A strip with these corners that leads from one wall to another, in the layer where it does so first.
+fn strip_of(corners: &[(f64, f64)]) -> LayerPaths {
+    let wall = |x: f64| rectangle(x, -10.0, x + 1.2, 10.0);
+    let open = geometry::union(&wall(-1.2), &wall(GAP_MM));
+    let strip = Region::from(Polygon { outer: ring(corners), holes: vec![] });
+    let full = geometry::union(&open, &strip);
+    let mut settings = job();
+    (settings.walls.count, settings.walls.generator) = (3, WallGenerator::Variable);
+    plan(&[vec![open; 6], vec![full; 6]].concat(), &settings).swap_remove(6)
+}
+
+/// Whether a position between two walls lies on one of them, or hardly beside it.
+fn is_held(p: &Point) -> bool {
+    !(0.24..GAP_MM - 0.24).contains(&p.mm()[0])
+}
+
+#[test]
+fn a_thin_strip_over_air_that_becomes_a_loop_does_not_end_before_it() {
+    // One bead, and from the middle on two.
+    let strip = strip_of(&[(-0.1, 0.0), (30.1, 0.0), (30.1, 0.9), (16.0, 0.9), (14.0, 0.55), (-0.1, 0.55)]);
+    let open: Vec<&Path> =
+        strip.paths.iter().filter(|p| !p.closed && length_mm(p) > 1.5 && is_over_the_gap(p)).collect();
+    assert!(open.iter().any(|path| length_mm(path) > 2.0 * GAP_MM - 20.0), "there and around");
+    for path in open {
+        let passes = |end: &Point| path.points.iter().filter(|p| *p == end).count() > 1;
+        let ends = [&path.points[0], &path.points[path.points.len() - 1]];
+        assert!(ends.iter().all(|end| is_held(end) || passes(end)), "{:?}", ends.map(|end| end.mm()));
+        assert!(ends.iter().any(|end| is_held(end)));
+    }
+}
+
+#[test]
+fn what_fills_a_gap_in_the_middle_of_a_span_begins_and_ends_on_the_walls() {
+    let strip =
+        strip_of(&[(-0.1, -0.7), (30.1, -0.7), (30.1, 0.92), (27.0, 1.35), (3.0, 1.35), (-0.1, 0.92)]);
+    let gaps: Vec<&Path> =
+        of_role(&strip, Role::GapFill).into_iter().filter(|p| is_over_the_gap(p)).collect();
+    assert!(!gaps.is_empty());
+    for path in gaps {
+        let ends = [path.points[0], path.points[path.points.len() - 1]];
+        assert!(ends.iter().all(is_held), "{:?}", ends.map(|end| end.mm()));
+    }
+}
+
+#[test]
+fn bridges_end_on_walls_that_are_thinner_than_those_above() {
+    for tenths in 0..8 {
+        let full = rectangle(0.0, 0.0, 40.0, 20.0);
+        let open = with_hole(full.clone(), &rectangle(10.0, 0.7, 30.0 + f64::from(tenths) / 10.0, 15.0));
+        let hold = geometry::offset(&open, 0.25);
+        let roof = roof(&open, &full);
+        let bridges = of_role(&roof, Role::BridgeInfill);
+        assert!(!bridges.is_empty());
+        for path in bridges {
+            let ends = [path.points[0], path.points[path.points.len() - 1]];
+            assert!(ends.iter().all(|end| hold.contains(*end)), "{tenths}: {:?}", ends.map(|end| end.mm()));
+        }
+    }
+}
+
 /// Distance of two walls, in millimetres.
 const GAP_MM: f64 = 30.0;
 
@@ -206,30 +268,6 @@ fn perimeters_over_a_tongue_fill_it() {
     let covered_mm2: f64 = roof.paths.iter().map(|path| covers_beyond(path, 20.0)).sum();
     let air_mm2 = geometry::difference(&full, &block).area_mm2();
     assert!((covered_mm2 / air_mm2 - 1.0).abs() < 0.03, "{covered_mm2} of {air_mm2} mm²");
-}
-
-/// What a path covers beyond an X, beads lying side by side, in mm².
-fn covers_beyond(path: &Path, x_mm: f64) -> f64 {
-    let spacing_mm = |i: usize| {
-        let width_mm = match &path.width {
-            Width::Constant(width_mm) => *width_mm,
-            Width::PerVertex(widths) => f64::from(widths[i]),
-        };
-        width_mm - path.height_mm * (1.0 - std::f64::consts::FRAC_PI_4)
-    };
-    let n = path.points.len();
-    let edges = (0..if path.closed { n } else { n - 1 }).map(|i| (i, (i + 1) % n));
-    let covered = edges.map(|(i, k)| {
-        let [from_mm, to_mm] = [i, k].map(|v| path.points[v].mm()[0] - x_mm);
-        let [less_mm, more_mm] = [from_mm.min(to_mm), from_mm.max(to_mm)];
-        let share = match (less_mm, more_mm) {
-            (0.0.., _) => 1.0,
-            (_, ..=0.0) => 0.0,
-            _ => more_mm / (more_mm - less_mm),
-        };
-        share * path.points[i].distance_mm(path.points[k]) * (spacing_mm(i) + spacing_mm(k)) / 2.0
-    });
-    covered.sum()
 }
 
 #[test]

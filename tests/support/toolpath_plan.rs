@@ -2,7 +2,7 @@
 
 use pathwright::geometry::{self, Point, Polygon, Region, Ring};
 use pathwright::profile::Settings;
-use pathwright::toolpath::{LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells};
+use pathwright::toolpath::{LayerPaths, ObjectLayer, Path, Planner, PlateLayer, Role, Shells, Width};
 use pathwright::units::{Mm, Ratio};
 
 pub const HEIGHT_MM: f64 = 0.2;
@@ -91,4 +91,28 @@ pub fn length_mm(path: &Path) -> f64 {
     } else {
         geometry::polyline_length_mm(&path.points)
     }
+}
+
+/// What a path covers beyond an X, beads lying side by side, in mm².
+pub fn covers_beyond(path: &Path, x_mm: f64) -> f64 {
+    let spacing_mm = |i: usize| {
+        let width_mm = match &path.width {
+            Width::Constant(width_mm) => *width_mm,
+            Width::PerVertex(widths) => f64::from(widths[i]),
+        };
+        width_mm - path.height_mm * (1.0 - std::f64::consts::FRAC_PI_4)
+    };
+    let n = path.points.len();
+    let edges = (0..if path.closed { n } else { n - 1 }).map(|i| (i, (i + 1) % n));
+    let covered = edges.map(|(i, k)| {
+        let [from_mm, to_mm] = [i, k].map(|v| path.points[v].mm()[0] - x_mm);
+        let [less_mm, more_mm] = [from_mm.min(to_mm), from_mm.max(to_mm)];
+        let share = match (less_mm, more_mm) {
+            (0.0.., _) => 1.0,
+            (_, ..=0.0) => 0.0,
+            _ => more_mm / (more_mm - less_mm),
+        };
+        share * path.points[i].distance_mm(path.points[k]) * (spacing_mm(i) + spacing_mm(k)) / 2.0
+    });
+    covered.sum()
 }

@@ -122,11 +122,15 @@ pub fn distance_mm(a: [f64; 2], b: [f64; 2]) -> f64 {
     (dx * dx + dy * dy).sqrt()
 }
 
-/// Distance of a point from the segment between two others, all in millimetres.
-pub fn to_segment_mm(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+/// The point of the segment between two points that is nearest to another, all in millimetres.
+pub fn on_segment_mm(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     let d = [b[0] - a[0], b[1] - a[1]];
     let along = (p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1];
     let t = (along / (d[0] * d[0] + d[1] * d[1]).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    let (dx, dy) = (a[0] + t * d[0] - p[0], a[1] + t * d[1] - p[1]);
-    (dx * dx + dy * dy).sqrt()
+    [a[0] + t * d[0], a[1] + t * d[1]]
+}
+
+/// Distance of a point from the segment between two others, all in millimetres.
+pub fn to_segment_mm(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    distance_mm(on_segment_mm(p, a, b), p)
 }
