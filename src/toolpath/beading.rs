@@ -16,6 +16,7 @@
 //! axis point approximation using nearest neighbors and the normal field", The Visual Computer 28 (2012),
 //! DOI 10.1007/s00371-011-0594-7, with edges instead of points).
 
+use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use geometry::real;
@@ -56,6 +57,9 @@ const NEARLY_STRAIGHT: f64 = 0.05;
 /// The thickness is looked up at least this often, in spacings.
 const STEP: f64 = 0.6;
 
+/// Where half the thickness is more than [`FULL`] by less than this, in spacings, there may be no room for beads between.
+const SLIGHT: f64 = 0.01;
+
 /// What is narrower by less, in millimetres, is as wide.
 const NARROWER_MM: f64 = 0.002;
 
@@ -95,14 +99,16 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, full: f64, least_mm: f64) -
     let covered = geometry::offset(&core, PAIR * spacing_mm);
     let gap = gap(region, &core, PAIR * spacing_mm, least_mm);
     let deep = geometry::offset(&core, -(full - PAIR) * spacing_mm);
+    let rest = geometry::offset(&deep, (full - 1.0) * spacing_mm);
     let loops = if geometry::narrower(&covered, &deep, full * spacing_mm, MIN_GAP_MM).is_empty() {
         constant(&geometry::offset(&core, (PAIR - 0.5) * spacing_mm))
     } else {
         let centre = geometry::offset(&core, PAIR / 2.0 * spacing_mm);
-        let sides = Sides { grid: EdgeGrid::new(&covered), outline: EdgeGrid::new(region), spacing_mm, full };
+        let [grid, outline] = [&covered, region].map(EdgeGrid::new);
+        let sides = Sides { grid, outline, spacing_mm, full, rest: &rest, rest_grid: OnceCell::new() };
         centre.rings().filter_map(|ring| sides.fit(ring)).collect()
     };
-    Pair { loops, gap, rest: geometry::offset(&deep, (full - 1.0) * spacing_mm) }
+    Pair { loops, gap, rest }
 }
 
 /// A region shrunk by a radius, without parts that are only occasionally thicker than that.
@@ -177,7 +183,7 @@ struct Sample {
 }
 
 /// The boundary that beads are laid along.
-struct Sides {
+struct Sides<'a> {
     /// Of the part that gets pairs.
     grid: EdgeGrid,
     /// Of the whole region, which no bead may leave.
@@ -185,9 +191,12 @@ struct Sides {
     spacing_mm: f64,
     /// Half the thickness at which beads have their own width, in spacings.
     full: f64,
+    /// What is left inside of these.
+    rest: &'a Region,
+    rest_grid: OnceCell<EdgeGrid>,
 }
 
-impl Sides {
+impl Sides<'_> {
     /// The bead along a ring that lies half the narrowest bead inside the boundary, moved inwards where it is wider.
     fn fit(&self, ring: &Ring) -> Option<Line> {
         let n = ring.len();
@@ -332,11 +341,19 @@ impl Sides {
         let foot = [0, 1].map(|k| at[k] - inwards[k] * PAIR / 2.0 * self.spacing_mm);
         let radius_mm =
             facing.iter().map(|&side| touching(foot, inwards, side)).fold(f64::INFINITY, f64::min);
-        if radius_mm >= self.full * self.spacing_mm {
+        let over = radius_mm / self.spacing_mm - self.full;
+        let middle = || [0, 1].map(|k| foot[k] + inwards[k] * radius_mm);
+        if over >= SLIGHT || over >= 0.0 && self.leaves_room(middle()) {
             self.spacing_mm
         } else {
             radius_mm.max(PAIR * self.spacing_mm)
         }
+    }
+
+    /// Whether beads follow between those of this pair. Where there is next to no room for them, it got lost.
+    fn leaves_room(&self, [x, y]: [f64; 2]) -> bool {
+        let grid = self.rest_grid.get_or_init(|| EdgeGrid::new(self.rest));
+        grid.contains(Point::from_mm(x, y))
     }
 }
 

@@ -30,8 +30,10 @@ const STEP_MM: f64 = 0.15;
 /// and on a line.
 const BACK_MM: f64 = 0.3;
 
-/// So much of its width beside a line beneath, a line still lies on it.
+/// So much of its width beside a line beneath, a line still lies on it: a solid one, and a sparse one, which would cover solid
+/// infill where it went on.
 const BESIDE: f64 = 0.35;
+const SPARSE_BESIDE: f64 = 0.6;
 
 /// Directions in which an end goes on: this many on each side, so far from each other.
 const TURNS: i32 = 4;
@@ -156,12 +158,13 @@ impl<I: Fn(Point) -> bool, F: Fn(Point) -> bool> Room<'_, I, F> {
             Width::Constant(width_mm) => *width_mm,
             Width::PerVertex(widths) => f64::from(widths[i]),
         };
+        let beside = if path.role == Role::SolidInfill { BESIDE } else { SPARSE_BESIDE };
         let mut walked_mm = 0.0;
         path.points.windows(2).enumerate().rev().flat_map(move |(before, pair)| {
             let length_mm = pair[0].distance_mm(pair[1]);
             let count = (length_mm / BACK_MM).ceil().max(1.0);
             let ([ax, ay], [bx, by]) = (pair[0].mm(), pair[1].mm());
-            let reach_mm = BESIDE * width_mm(before).min(width_mm(before + 1));
+            let reach_mm = beside * width_mm(before).min(width_mm(before + 1));
             let from_mm = walked_mm;
             walked_mm += length_mm;
             (0..count as u32).map(move |step| {

@@ -150,21 +150,36 @@ fn a_print_stands_in_the_middle_of_a_bed_that_lies_elsewhere() {
 }
 
 #[test]
-fn infill_is_drawn_with_its_own_acceleration() {
-    let found =
-        print("calibration_cube", &standard(&["acceleration.infill=1234", "first_layer.acceleration=0"]));
-    let (mut force, mut infill) = ("", 0);
+fn each_role_is_drawn_with_its_own_acceleration_and_the_first_layer_with_its_own() {
+    const OWN: [(&str, &str, u32); 6] = [
+        ("Internal infill", "acceleration.infill=1201", 1201),
+        ("External perimeter", "acceleration.external_perimeter=1202", 1202),
+        ("Perimeter", "acceleration.perimeter=1203", 1203),
+        ("Solid infill", "acceleration.solid=1204", 1204),
+        ("Top solid infill", "acceleration.top=1205", 1205),
+        ("Bridge infill", "acceleration.bridge=1206", 1206),
+    ];
+    let sets = [&OWN.map(|(_, set, _)| set)[..], &["first_layer.acceleration=1207"]].concat();
+    let found = print("overhang_and_bridge", &standard(&sets));
+    let (mut force, mut layer, mut counts) = (0, 0, [0; OWN.len()]);
     for (kind, line) in typed(&found) {
         if let Some(given) = line.strip_prefix("M204 P") {
-            force = given;
+            force = given.parse().expect("a number");
         }
-        if line.starts_with("G1 X") && line.contains(" E") {
-            let wanted = if kind == "Internal infill" { "1234" } else { "3000" };
-            assert_eq!(force, wanted, "{kind}: {line}");
-            infill += usize::from(kind == "Internal infill");
+        if let Some(number) = line.strip_prefix(";LAYER:") {
+            layer = number.parse().expect("a number");
+        }
+        if !line.starts_with("G1 X") || !line.contains(" E") {
+            continue;
+        }
+        if layer == 0 {
+            assert_eq!(force, 1207, "{kind}: {line}");
+        } else if let Some(i) = OWN.iter().position(|(own, _, _)| *own == kind) {
+            assert_eq!(force, OWN[i].2, "{kind}: {line}");
+            counts[i] += 1;
         }
     }
-    assert!(infill > 500, "{infill}");
+    assert!(counts.iter().all(|count| *count > 5), "{counts:?}");
 }
 
 #[test]

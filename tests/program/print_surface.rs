@@ -323,6 +323,19 @@ fn scarfs_of_thick_layers_beside_other_walls_pass_the_check() {
 }
 
 #[test]
+fn scarfs_follow_curves_and_leave_corners_alone_where_that_is_wanted() {
+    let scarfs = |name: &str, smooth_only: bool| {
+        let smooth_only = format!("seam.scarf_smooth_only={smooth_only}");
+        let settings = quick(&["seam.position=rear", "seam.scarf=3", "skirt.loops=0", &smooth_only]);
+        let strokes = print(name, &settings).strokes();
+        strokes.iter().filter(|s| s.extrudes() && s.xy_mm > 0.0 && s.to[2] != s.from[2]).count()
+    };
+    // The rear of a cube is a corner, that of a vase is a curve.
+    assert!(scarfs("calibration_cube", false) > 500 && scarfs("calibration_cube", true) == 0);
+    assert!(scarfs("hollow_vase", true) > 500, "{}", scarfs("hollow_vase", true));
+}
+
+#[test]
 fn a_scarf_changes_the_volume_by_nothing() {
     let [plain, scarf] = ["0", "8"].map(|length| {
         let settings = quick(&["seam.gap=0", &format!("seam.scarf={length}")]);

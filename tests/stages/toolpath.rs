@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::support::toolpath_plan::{HEIGHT_MM, job, length_mm, of_role, plan, rectangle, ring, with_hole};
+use crate::support::toolpath_plan::{
+    HEIGHT_MM, covers_beyond, job, length_mm, of_role, plan, rectangle, ring, with_hole,
+};
 use crate::toolpath_raster::coverage;
 use pathwright::geometry::{self, Bounds, Point, Polygon, Region, Ring};
 use pathwright::order::LayerProblem;
@@ -640,6 +642,25 @@ fn ribs_get_one_line_each_from_a_tenth_of_a_millimetre_on() {
         let lines = of_role(&layer, Role::ExternalPerimeter);
         assert_eq!((layer.paths.len(), lines.len()), (1, 1), "{hundredths} hundredths of a millimetre");
         assert!(length_mm(lines[0]) > 9.5, "{} mm", length_mm(lines[0]));
+    }
+}
+
+#[test]
+fn a_strip_hardly_wider_than_its_pairs_of_walls_is_filled() {
+    // From 4.5 and 7 spacings on, there is room for a bead between the pairs, or between the innermost.
+    let mut settings = job();
+    (settings.walls.count, settings.walls.generator) = (3, WallGenerator::Variable);
+    let spacing_mm = bead::spacing_mm(settings.walls.width.0, HEIGHT_MM);
+    let edge_mm = bead::rounding_mm(HEIGHT_MM);
+    for spacings in [4.5, 7.0] {
+        for over_um in [-1.0, 0.2, 1.0, 2.0, 3.0, 5.0, 10.0] {
+            let width_mm = spacings * spacing_mm + edge_mm + over_um / 1000.0;
+            let strip = rectangle(0.0, 0.0, 40.0, width_mm);
+            let layer = plan(&vec![strip; 12], &settings).swap_remove(6);
+            let filled_mm2: f64 = layer.paths.iter().map(|path| covers_beyond(path, -1.0)).sum();
+            let share = filled_mm2 / (40.0 * width_mm);
+            assert!(share > 0.95, "{width_mm} mm: {share}");
+        }
     }
 }
 
