@@ -30,10 +30,11 @@ const STEP_MM: f64 = 0.15;
 /// and on a line.
 const BACK_MM: f64 = 0.3;
 
-/// So much of its width beside a line beneath, a line still lies on it: a solid one, and a sparse one, which would cover solid
-/// infill where it went on.
-const BESIDE: f64 = 0.35;
-const SPARSE_BESIDE: f64 = 0.6;
+/// So much of its width beside a line beneath, a line still lies on it.
+const BESIDE: f64 = 0.6;
+
+/// So far beside, a solid line goes on all the same. A sparse one would cover solid infill there.
+const SOLID_BESIDE: f64 = 0.35;
 
 /// Directions in which an end goes on: this many on each side, so far from each other.
 const TURNS: i32 = 4;
@@ -88,19 +89,20 @@ impl<I: Fn(Point) -> bool, F: Fn(Point) -> bool> Room<'_, I, F> {
     fn extend(&self, path: &mut Path) -> bool {
         let is_solid = path.role == Role::SolidInfill;
         let is_short = || geometry::polyline_length_mm(&path.points) < LOOSE_MM;
-        if is_solid && is_short() && self.hangs(path, LOOSE_MM) {
+        if is_solid && is_short() && self.hangs(path, LOOSE_MM, BESIDE) {
             return false;
         }
         if path.closed {
             return true;
         }
         let width_mm = path.width.widest_mm();
+        let beside = if is_solid { SOLID_BESIDE } else { BESIDE };
         for _ in 0..2 {
             path.points.reverse();
             if let Width::PerVertex(widths) = &mut path.width {
                 widths.reverse();
             }
-            if !self.hangs(path, DANGLE_MM) {
+            if !self.hangs(path, DANGLE_MM, beside) {
                 continue;
             }
             if let Some(tip) = self.tip(path, width_mm) {
@@ -108,7 +110,7 @@ impl<I: Fn(Point) -> bool, F: Fn(Point) -> bool> Room<'_, I, F> {
                 if let Width::PerVertex(widths) = &mut path.width {
                     widths.push(width_mm as f32);
                 }
-            } else if !is_solid && self.hangs(path, CUT_MM) {
+            } else if !is_solid && self.hangs(path, CUT_MM, BESIDE) {
                 self.cut(path);
             }
         }
@@ -132,7 +134,7 @@ impl<I: Fn(Point) -> bool, F: Fn(Point) -> bool> Room<'_, I, F> {
     /// Ends a sparse line that hangs where it is held last, if that is near: what is far may be held by what is not known here.
     fn cut(&self, path: &mut Path) {
         let near = |at: &LookedAt| at.back_mm <= LONGEST_MM;
-        let held = self.looked_at(path).take_while(near).find(|at| at.is_held);
+        let held = self.looked_at(path, BESIDE).take_while(near).find(|at| at.is_held);
         let Some(LookedAt { before, point: end, .. }) = held else { return };
         path.points.truncate(before + 1);
         if let Width::PerVertex(widths) = &mut path.width {
@@ -146,19 +148,18 @@ impl<I: Fn(Point) -> bool, F: Fn(Point) -> bool> Room<'_, I, F> {
     }
 
     /// Whether nothing holds a line over so much of its end.
-    fn hangs(&self, path: &Path, over_mm: f64) -> bool {
-        let mut looked_at = self.looked_at(path);
+    fn hangs(&self, path: &Path, over_mm: f64, beside: f64) -> bool {
+        let mut looked_at = self.looked_at(path, beside);
         let first = looked_at.find(|at| at.is_held || at.back_mm > over_mm);
         first.is_none_or(|at| at.back_mm > over_mm)
     }
 
-    /// Points of a line, from its end.
-    fn looked_at(&self, path: &Path) -> impl Iterator<Item = LookedAt> {
+    /// Points of a line, from its end, and whether something is under them or so many widths beside.
+    fn looked_at(&self, path: &Path, beside: f64) -> impl Iterator<Item = LookedAt> {
         let width_mm = |i: usize| match &path.width {
             Width::Constant(width_mm) => *width_mm,
             Width::PerVertex(widths) => f64::from(widths[i]),
         };
-        let beside = if path.role == Role::SolidInfill { BESIDE } else { SPARSE_BESIDE };
         let mut walked_mm = 0.0;
         path.points.windows(2).enumerate().rev().flat_map(move |(before, pair)| {
             let length_mm = pair[0].distance_mm(pair[1]);
