@@ -251,8 +251,8 @@ impl Cura {
         let changes: Vec<&Instance> =
             self.profiles(machine)?.into_iter().filter(|changes| changes.name == print).collect();
         if let Some(first) = changes.first() {
-            let intent = changes.iter().map(|changes| changes.about("intent_category"));
-            let intent = intent.filter(|intent| !intent.is_empty()).next_back().unwrap_or_default();
+            let mut intents = changes.iter().map(|changes| changes.about("intent_category"));
+            let intent = intents.rfind(|intent| !intent.is_empty()).unwrap_or_default();
             return Ok(Some(Quality { kind: first.about("quality_type"), intent, changes }));
         }
         let of_name = self.qualities(machine, Some(material))?.find(|quality| quality.name == print);
