@@ -236,6 +236,17 @@ fn a_machine_that_a_user_has_added_prints_as_it_is_set() {
 }
 
 #[test]
+fn without_its_definition_an_added_machine_says_what_to_name() {
+    let alone = tempfile::tempdir().unwrap();
+    let path = alone.path().join(ADDED[0].0);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(&path, ADDED[0].1).unwrap();
+    let library = Library::open(&[Source { path: alone.path().to_owned(), dialect: None }]);
+    let error = library.choose("My Maker", None, None).unwrap_err().to_string();
+    assert!(error.contains("the definition `maker`") && error.contains("folder of resources"), "{error}");
+}
+
+#[test]
 fn a_users_profile_is_on_top_of_the_quality_that_it_was_made_from() {
     let (_folder, library) = presets(ADDED);
     let speed = |print| {

@@ -91,7 +91,7 @@ impl Cura {
             let id = added.at(Slot::Definition).next().unwrap_or_default();
             let machine = self.folder.machine(id).ok_or_else(|| {
                 let place = Place::new(added.machine.file.clone(), 0, name);
-                PresetError::at(place, format!("is made from the definition `{id}`, which is not there"))
+                PresetError::at(place, format!("is made from the definition `{id}`, which is not there; name Cura's folder of resources, too"))
             })?;
             return self.resolved(machine, Some(added));
         }
