@@ -71,12 +71,12 @@ impl Borders {
     fn thin(&self, path: &mut Path) {
         let rounding_mm = 2.0 * self.pressed_mm;
         let fitting = |(k, point): (usize, &Point)| {
-            let width_mm = width_mm(&path.width, k);
+            let width_mm = path.width.at_mm(k);
             let room_mm = self.room_mm(*point, width_mm - rounding_mm).max(LEAST_MM);
             width_mm.min(room_mm + rounding_mm) as f32
         };
         let widths: Vec<f32> = path.points.iter().enumerate().map(fitting).collect();
-        if (0..widths.len()).any(|k| widths[k] < width_mm(&path.width, k) as f32) {
+        if (0..widths.len()).any(|k| widths[k] < path.width.at_mm(k) as f32) {
             path.width = Width::PerVertex(widths);
         }
     }
@@ -88,7 +88,7 @@ impl Borders {
         let mut ways: Vec<Option<Way>> = vec![None; count];
         let mut is_left_out = vec![false; count];
         for k in 0..count {
-            let width_mm = width_mm(&path.width, k);
+            let width_mm = path.width.at_mm(k);
             let sides = |share: f64| {
                 let [before, after] = [false, true].map(|ahead| side(&corners, k, ahead, share * width_mm));
                 Some([before?, after?])
@@ -246,13 +246,6 @@ fn side(corners: &[[f64; 2]], corner: usize, ahead: bool, length_mm: f64) -> Opt
         left_mm -= step_mm;
         between.push(to);
         at = to;
-    }
-}
-
-fn width_mm(width: &Width, vertex: usize) -> f64 {
-    match width {
-        Width::Constant(width_mm) => *width_mm,
-        Width::PerVertex(widths) => widths[vertex].into(),
     }
 }
 

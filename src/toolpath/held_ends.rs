@@ -156,16 +156,12 @@ impl<I: Fn(Point) -> bool, F: Fn(Point) -> bool> Room<'_, I, F> {
 
     /// Points of a line, from its end, and whether something is under them or so many widths beside.
     fn looked_at(&self, path: &Path, beside: f64) -> impl Iterator<Item = LookedAt> {
-        let width_mm = |i: usize| match &path.width {
-            Width::Constant(width_mm) => *width_mm,
-            Width::PerVertex(widths) => f64::from(widths[i]),
-        };
         let mut walked_mm = 0.0;
         path.points.windows(2).enumerate().rev().flat_map(move |(before, pair)| {
             let length_mm = pair[0].distance_mm(pair[1]);
             let count = (length_mm / BACK_MM).ceil().max(1.0);
             let ([ax, ay], [bx, by]) = (pair[0].mm(), pair[1].mm());
-            let reach_mm = beside * width_mm(before).min(width_mm(before + 1));
+            let reach_mm = beside * path.width.at_mm(before).min(path.width.at_mm(before + 1));
             let from_mm = walked_mm;
             walked_mm += length_mm;
             (0..count as u32).map(move |step| {

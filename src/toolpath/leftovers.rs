@@ -7,7 +7,7 @@ use geometry::{Point, Polygon, Region, Ring, real};
 
 use super::bead;
 use super::beading::{self, Gap};
-use super::path::{Path, Width};
+use super::path::Path;
 
 /// Smaller places are not worth the travel to them, mm².
 const SMALLEST_MM2: f64 = 0.02;
@@ -48,13 +48,7 @@ pub(super) fn find(area: &Region, paths: &[Path]) -> Vec<Place> {
 fn rings(path: &Path) -> Vec<Ring> {
     let count = path.points.len();
     let rounding_mm = bead::rounding_mm(path.height_mm);
-    let half_mm = |k: usize| {
-        let width_mm = match &path.width {
-            Width::Constant(width_mm) => *width_mm,
-            Width::PerVertex(widths) => widths[k].into(),
-        };
-        ((width_mm - rounding_mm) / 2.0).max(0.0)
-    };
+    let half_mm = |k: usize| ((path.width.at_mm(k) - rounding_mm) / 2.0).max(0.0);
     let lines = if path.closed { count } else { count - 1 };
     let mut rings = Vec::with_capacity(lines);
     let mut before: Option<[f64; 2]> = None;
@@ -95,7 +89,7 @@ fn round(at: Point, radius_mm: f64) -> Ring {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::{Phase, Role};
+    use crate::toolpath::{Phase, Role, Width};
 
     const HEIGHT_MM: f64 = 0.2;
     const SPACING_MM: f64 = 0.4;

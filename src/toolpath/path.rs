@@ -84,6 +84,14 @@ pub enum Width {
 }
 
 impl Width {
+    /// At a vertex.
+    pub(crate) fn at_mm(&self, vertex: usize) -> f64 {
+        match self {
+            Self::Constant(width_mm) => *width_mm,
+            Self::PerVertex(widths) => widths[vertex].into(),
+        }
+    }
+
     /// The widest place.
     pub(crate) fn widest_mm(&self) -> f64 {
         match self {

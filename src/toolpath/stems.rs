@@ -78,8 +78,5 @@ fn turning(paths: &[Path], is_joined: &[bool], end: &LooseEnd, beneath: &Beneath
 
 /// The width of a path at each of its vertices.
 fn per_vertex(path: &Path) -> Vec<f32> {
-    match &path.width {
-        Width::Constant(width_mm) => vec![*width_mm as f32; path.points.len()],
-        Width::PerVertex(widths) => widths.clone(),
-    }
+    (0..path.points.len()).map(|vertex| path.width.at_mm(vertex) as f32).collect()
 }

@@ -14,21 +14,13 @@ pub(super) fn config(stack: &Stack) -> Config {
     let mut config = Config { dialect: Dialect::Cura, ..Config::default() };
     let mut told = BTreeSet::new();
     for (theirs, key, rule) in table::TABLE {
-        if stack.place(theirs).is_none() {
+        if stack.place(theirs).is_none() || stack.value(theirs).is_err() {
             continue;
         }
         told.insert(*theirs);
-        match stack.value(theirs) {
-            Ok(_) => {
-                let place =
-                    stack.own_place(theirs).cloned().unwrap_or_else(|| Place::built_in(Dialect::Cura));
-                if let Some(value) = table::said(rule, theirs, stack) {
-                    config.set(key, &value, place);
-                }
-            }
-            Err(_) => {
-                told.remove(theirs);
-            }
+        if let Some(value) = table::said(rule, theirs, stack) {
+            let place = stack.own_place(theirs).cloned().unwrap_or_else(|| Place::built_in(Dialect::Cura));
+            config.set(key, &value, place);
         }
     }
     for key in stack.keys() {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use percent_encoding::percent_decode_str;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
@@ -233,21 +234,8 @@ pub(super) const ENDINGS: [&str; 4] = [".inst.cfg", ".global.cfg", ".extruder.cf
 /// By which others name a container: its file without folder and ending, the web's escapes undone.
 fn id(file: &str) -> String {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
-    let name = ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or(name).as_bytes();
-    let digit = |at: usize| char::from(*name.get(at)?).to_digit(16).map(|digit| digit as u8);
-    let (mut bytes, mut at) = (Vec::with_capacity(name.len()), 0);
-    while let Some(byte) = name.get(at) {
-        match (byte, digit(at + 1).zip(digit(at + 2))) {
-            (b'%', Some((high, low))) => {
-                bytes.push(high << 4 | low);
-                at += 2;
-            }
-            (b'+', _) => bytes.push(b' '),
-            (byte, _) => bytes.push(*byte),
-        }
-        at += 1;
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
+    let name = ENDINGS.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or(name);
+    percent_decode_str(&name.replace('+', " ")).decode_utf8_lossy().into_owned()
 }
 
 #[cfg(test)]
