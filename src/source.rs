@@ -27,21 +27,12 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Whether it is binary G-code.
+    /// How it holds G-code.
     #[cfg(feature = "hosts")]
-    pub fn is_binary(self) -> bool {
+    pub fn form(self) -> gcode::Form {
         match self {
-            Self::File(path) => gcode::is_binary(path),
-            Self::Memory(mut bytes) => gcode::begins_binary(&mut bytes).unwrap_or(false),
-        }
-    }
-
-    /// Whether it is a package with G-code.
-    #[cfg(feature = "hosts")]
-    pub fn is_package(self) -> bool {
-        match self {
-            Self::File(path) => gcode::is_package(path),
-            Self::Memory(mut bytes) => gcode::begins_package(&mut bytes).unwrap_or(false),
+            Self::File(path) => gcode::Form::of_file(path),
+            Self::Memory(bytes) => gcode::Form::of_bytes(bytes),
         }
     }
 

@@ -9,7 +9,7 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::plan;
 use super::watch::Watch;
-use crate::gcode::{self, BinaryMetadata, Parts};
+use crate::gcode::{self, BinaryMetadata, Form, Parts};
 use crate::job::{Engine, ReorderJob};
 use crate::observer::Observer;
 use crate::output::Output;
@@ -147,32 +147,6 @@ fn reorder(
 
 fn unreadable(file: &Path, error: &io::Error) -> Failure {
     Failure::new(Exit::Input, format!("{}: {error}", file.display()))
-}
-
-/// How a file holds G-code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
-    Text,
-    Binary,
-    Package,
-}
-
-impl Form {
-    fn of_file(file: &Path) -> Self {
-        match () {
-            () if gcode::is_binary(file) => Self::Binary,
-            () if gcode::is_package(file) => Self::Package,
-            () => Self::Text,
-        }
-    }
-
-    fn of_name(path: &Path) -> Self {
-        match () {
-            () if gcode::is_binary_name(path) => Self::Binary,
-            () if gcode::is_package_name(path) => Self::Package,
-            () => Self::Text,
-        }
-    }
 }
 
 /// A file piece by piece: its bytes as they are, or its text.

@@ -12,7 +12,7 @@ use super::exit::{Exit, Failure, usage};
 use super::plan::{Destination, Plan, Plate, Task, named, no_package};
 use super::projects;
 use super::watch::Watch;
-use crate::gcode::{is_binary_name, is_package_name};
+use crate::gcode::Form;
 use crate::job::Engine;
 use crate::observer::Observer;
 use crate::output::Output;
@@ -58,7 +58,7 @@ pub(super) fn keys(args: &SliceArgs) -> Result<Exit, Failure> {
     for task in &Plan::new(args)?.tasks {
         let settings = &task.plate.settings.settings;
         let is_binary = match &task.destination {
-            Destination::File(path) => is_binary_name(path),
+            Destination::File(path) => Form::of_name(path) == Form::Binary,
             Destination::Stdout => false,
         };
         let key = task.plate.job.key(settings, is_binary)?;
@@ -107,11 +107,11 @@ fn slice(
     let settings = &task.plate.settings.settings;
     let mut output = match &task.destination {
         Destination::Stdout => Output::stdout(),
-        Destination::File(path) if is_binary_name(path) => {
-            Output::create_binary(path, binary_metadata(settings))?
-        }
-        Destination::File(path) if is_package_name(path) => return Err(no_package(path)),
-        Destination::File(path) => Output::create(path)?,
+        Destination::File(path) => match Form::of_name(path) {
+            Form::Text => Output::create(path)?,
+            Form::Binary => Output::create_binary(path, binary_metadata(settings))?,
+            Form::Package => return Err(no_package(path)),
+        },
     };
     let bar = Bar::on_terminal(!args.quiet && !args.no_progress);
     let observer = watch.over(Bar::observer(bar.as_ref()));

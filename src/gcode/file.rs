@@ -4,59 +4,18 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
-use bgcode::{MAGIC, Text};
+use bgcode::Text;
 
+use super::form::{self, Form};
 use super::package;
 
 /// Size of the buffer in front of a file.
 const BUFFER_BYTES: usize = 1 << 18;
-/// Endings of files with G-code as text.
-const ENDINGS: [&str; 6] = ["gcode", "gco", "gc", "g", "nc", "ngc"];
-/// Endings of files with binary G-code.
-const BINARY_ENDINGS: [&str; 2] = ["bgcode", "bgc"];
-
-/// The ending of packages with G-code.
-const PACKAGE_ENDING: &str = ".gcode.3mf";
 
 /// What G-code is read from.
 pub(crate) trait Input: BufRead + Seek + Send {}
 
 impl<T: BufRead + Seek + Send> Input for T {}
-
-/// Whether a file has G-code: by its name, or because it begins as binary G-code does.
-pub fn is_gcode(path: &Path) -> bool {
-    has_ending(path, &ENDINGS) || is_binary_name(path) || is_package_name(path) || is_binary(path)
-}
-
-/// Whether a name is that of a file with binary G-code.
-pub fn is_binary_name(path: &Path) -> bool {
-    has_ending(path, &BINARY_ENDINGS)
-}
-
-/// Whether a name is that of a package with G-code.
-pub fn is_package_name(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(PACKAGE_ENDING))
-}
-
-/// Whether a file begins as binary G-code does.
-pub(crate) fn is_binary(path: &Path) -> bool {
-    begins(path, begins_binary)
-}
-
-/// Whether a file begins as a package, or any other ZIP, does.
-pub(crate) fn is_package(path: &Path) -> bool {
-    begins(path, package::begins_package)
-}
-
-fn begins(path: &Path, how: fn(&mut File) -> io::Result<bool>) -> bool {
-    // A pipe cannot be looked into twice.
-    let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
-    is_file && File::open(path).and_then(|mut file| how(&mut file)).unwrap_or(false)
-}
-
-fn has_ending(path: &Path, endings: &[&str]) -> bool {
-    path.extension().is_some_and(|found| endings.iter().any(|ending| found.eq_ignore_ascii_case(ending)))
-}
 
 /// Begins reading a file.
 ///
@@ -64,13 +23,11 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
 /// As the system says; or it is damaged.
 pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Input>> {
     let file = File::open(path)?;
-    if is_binary(path) {
-        return Ok(Box::new(Text::open(BufReader::new(file))?));
-    }
-    if is_package(path) {
-        return Ok(Box::new(package::open(BufReader::new(file))?));
-    }
-    Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, file)))
+    Ok(match Form::of_file(path) {
+        Form::Text => Box::new(BufReader::with_capacity(BUFFER_BYTES, file)),
+        Form::Binary => Box::new(Text::open(BufReader::new(file))?),
+        Form::Package => Box::new(package::open(BufReader::new(file))?),
+    })
 }
 
 /// Begins reading G-code in memory.
@@ -78,13 +35,12 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Input>> {
 /// # Errors
 /// It is damaged.
 pub(crate) fn open_bytes(bytes: &[u8]) -> io::Result<Box<dyn Input + '_>> {
-    if bytes.starts_with(&MAGIC) {
-        return Ok(Box::new(Text::open(Cursor::new(bytes))?));
-    }
-    if package::begins_package(&mut &bytes[..])? {
-        return Ok(Box::new(package::open(Cursor::new(bytes))?));
-    }
-    Ok(Box::new(Cursor::new(bytes)))
+    let from = Cursor::new(bytes);
+    Ok(match Form::of_bytes(bytes) {
+        Form::Text => Box::new(from),
+        Form::Binary => Box::new(Text::open(from)?),
+        Form::Package => Box::new(package::open(from)?),
+    })
 }
 
 /// Begins reading G-code that comes once. What is binary, or in a package, is held in memory.
@@ -93,24 +49,17 @@ pub(crate) fn open_bytes(bytes: &[u8]) -> io::Result<Box<dyn Input + '_>> {
 /// As the system says; or it is damaged.
 #[cfg(feature = "cli")]
 pub(crate) fn open_stream<'a>(mut stream: impl Read + 'a) -> io::Result<Box<dyn Read + 'a>> {
-    let mut begin = Vec::new();
-    stream.by_ref().take(MAGIC.len() as u64).read_to_end(&mut begin)?;
-    let is_package = package::begins_package(&mut &begin[..])?;
-    if begin != MAGIC && !is_package {
+    let mut begin = form::begin(stream.by_ref())?;
+    let form = Form::of_bytes(&begin);
+    if form == Form::Text {
         return Ok(Box::new(Cursor::new(begin).chain(stream)));
     }
     stream.read_to_end(&mut begin)?;
-    Ok(if is_package {
-        Box::new(package::open(Cursor::new(begin))?)
-    } else {
-        Box::new(Text::open(Cursor::new(begin))?)
+    let whole = Cursor::new(begin);
+    Ok(match form {
+        Form::Package => Box::new(package::open(whole)?),
+        _ => Box::new(Text::open(whole)?),
     })
-}
-
-pub(crate) fn begins_binary<R: Read>(file: &mut R) -> io::Result<bool> {
-    let mut begin = Vec::new();
-    file.take(MAGIC.len() as u64).read_to_end(&mut begin)?;
-    Ok(begin == MAGIC)
 }
 
 #[cfg(all(test, feature = "cli"))]
@@ -133,15 +82,5 @@ mod tests {
         assert_eq!(read(open_stream(&binary[..]).unwrap()), wanted);
         assert_eq!(read(open_stream(text.as_bytes()).unwrap()), wanted);
         assert!(open_bytes(&binary[..binary.len() - 9]).is_err());
-    }
-
-    #[test]
-    fn names_tell_text_from_binary() {
-        assert!(is_binary_name(Path::new("a.BGCODE")) && !is_binary_name(Path::new("a.gcode")));
-        assert!(
-            is_gcode(Path::new("no/a.bgcode"))
-                && is_gcode(Path::new("no/a.g"))
-                && !is_gcode(Path::new("no/a.stl"))
-        );
     }
 }

@@ -9,6 +9,7 @@ mod effect;
 mod extruder;
 mod file;
 mod flavor;
+mod form;
 mod header;
 mod layer;
 mod number;
@@ -26,21 +27,15 @@ pub use binary::{BinaryMetadata, write_binary};
 pub(crate) use binary::{contents, pack_text};
 pub use effect::Effect;
 pub(crate) use effect::script_time;
-#[cfg(feature = "hosts")]
-pub(crate) use file::begins_binary;
 #[cfg(feature = "cli")]
 pub(crate) use file::open_stream;
 pub(crate) use file::{Input, open, open_bytes};
-#[cfg(any(feature = "cli", feature = "hosts"))]
-pub(crate) use file::{is_binary, is_package};
-pub use file::{is_binary_name, is_gcode, is_package_name};
+pub use form::{Form, is_gcode};
 pub(crate) use header::calendar;
 pub use header::{Header, footer, header, labels, object_comment};
 pub use layer::{LayerText, format_layer};
 pub(crate) use number::{nearest, one_line, push_number};
 pub use options::{Flavor, GcodeSettings, PrinterSettings, ToolChangeKind, ToolChangeSettings, ToolSettings};
-#[cfg(feature = "hosts")]
-pub(crate) use package::begins_package;
 #[cfg(feature = "cli")]
 pub(crate) use package::{Parts, write as write_package};
 pub(crate) use read::NO_TOOL;

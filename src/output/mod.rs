@@ -63,13 +63,13 @@ pub struct Output {
 #[derive(Debug)]
 struct Packed {
     output: Output,
-    form: Form,
+    packing: Packing,
 }
 
 /// What G-code is packed as.
 #[cfg(feature = "cli")]
 #[derive(Debug)]
-enum Form {
+enum Packing {
     Binary(BinaryMetadata),
     /// With parts beside it.
     Package(Parts),
@@ -219,7 +219,7 @@ impl Output {
     /// # Errors
     /// As [`Output::create`].
     pub fn create_binary(path: &Path, metadata: BinaryMetadata) -> Result<Self, OutputError> {
-        Self::create_packed(path, Form::Binary(metadata))
+        Self::create_packed(path, Packing::Binary(metadata))
     }
 
     /// A package with G-code. What is written is text, as with [`Output::create_binary`]. `parts`: what else is in the package.
@@ -227,30 +227,32 @@ impl Output {
     /// # Errors
     /// As [`Output::create`].
     pub(crate) fn create_package(path: &Path, parts: Parts) -> Result<Self, OutputError> {
-        Self::create_packed(path, Form::Package(parts))
+        Self::create_packed(path, Packing::Package(parts))
     }
 
-    fn create_packed(path: &Path, form: Form) -> Result<Self, OutputError> {
+    fn create_packed(path: &Path, packing: Packing) -> Result<Self, OutputError> {
         let output = Self::create(path)?;
         let folder = match &output.sink {
             Sink::File(file) => file.folder(),
             _ => std::env::temp_dir(),
         };
         let text = Self::temporary(&folder, output.name.clone())?;
-        Ok(Self { packed: Some(Box::new(Packed { output, form })), ..text })
+        Ok(Self { packed: Some(Box::new(Packed { output, packing })), ..text })
     }
 
     /// Makes the file of the text.
     fn pack(mut self, packed: Packed) -> Result<Self, OutputError> {
-        let Packed { mut output, form } = packed;
+        let Packed { mut output, packing } = packed;
         let name = self.name.clone();
         let failed = |source: io::Error| OutputError { path: name.clone(), source };
-        match &form {
-            Form::Binary(metadata) => {
+        match &packing {
+            Packing::Binary(metadata) => {
                 let contents = gcode::contents(self.reread(0)?, metadata).map_err(failed)?;
                 gcode::pack_text(&contents, self.reread(0)?, &mut Appending(&mut output))
             }
-            Form::Package(parts) => gcode::write_package(parts, self.reread(0)?, &mut Appending(&mut output)),
+            Packing::Package(parts) => {
+                gcode::write_package(parts, self.reread(0)?, &mut Appending(&mut output))
+            }
         }
         .map_err(failed)?;
         Ok(output)

@@ -7,6 +7,7 @@ use super::error::{Cause, SendError, Step};
 use super::host::About;
 use super::payload::Payload;
 use crate::check::{self, Severity};
+use crate::gcode::Form;
 use crate::plate::{BedOrigin, BedSettings, BedShape};
 use crate::profile::Settings;
 use crate::units::{Mm, Mm3PerS};
@@ -25,10 +26,8 @@ pub struct FileFacts {
     pub printer: Option<String>,
     /// A command that Klipper alone knows.
     pub klipper_command: Option<String>,
-    /// Whether it is binary G-code.
-    pub is_binary: bool,
-    /// Whether it is a package with G-code.
-    pub is_package: bool,
+    /// How it holds G-code.
+    pub form: Form,
 }
 
 impl FileFacts {
@@ -37,8 +36,7 @@ impl FileFacts {
     /// # Errors
     /// It cannot be read.
     pub fn read(payload: &Payload) -> io::Result<Self> {
-        let (is_binary, is_package) = (payload.is_binary(), payload.is_package());
-        let mut facts = Self { is_binary, is_package, ..Self::default() };
+        let mut facts = Self { form: payload.form(), ..Self::default() };
         let mut file = payload.text()?;
         let mut line = Vec::new();
         while file.read_until(b'\n', &mut line)? > 0 {
@@ -88,10 +86,10 @@ pub fn examine(
     let refuse = |message: String, advice: &str| {
         Err(SendError::new(host, Step::Examine, Cause::Mismatch, message, advice))
     };
-    if facts.is_binary && matches!(kind, HostKind::Moonraker | HostKind::Duet) {
+    if facts.form == Form::Binary && matches!(kind, HostKind::Moonraker | HostKind::Duet) {
         return refuse("it does not read binary G-code".into(), "slice into a .gcode file");
     }
-    if facts.is_package {
+    if facts.form == Form::Package {
         return refuse(
             "it reads no package with G-code".into(),
             "make text of it with `pathwright reorder FILE -o part.gcode`; --no-check sends it all the same",
@@ -234,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_package_is_refused_by_every_host() {
-        let facts = FileFacts { is_package: true, ..FileFacts::default() };
+        let facts = FileFacts { form: Form::Package, ..FileFacts::default() };
         let refused = examine("a", HostKind::OctoPrint, &About::default(), &facts).unwrap_err().to_string();
         assert!(refused.contains("no package") && refused.contains("pathwright reorder"), "{refused}");
     }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use sha1::Sha1;
 use sha2::{Digest, Sha256};
 
-use crate::gcode::Input;
+use crate::gcode::{Form, Input};
 use crate::job::hexadecimal;
 use crate::source::Source;
 
@@ -95,14 +95,9 @@ impl Payload {
         self.source().open()
     }
 
-    /// Whether it is binary G-code.
-    pub(super) fn is_binary(&self) -> bool {
-        self.source().is_binary()
-    }
-
-    /// Whether it is a package with G-code.
-    pub(super) fn is_package(&self) -> bool {
-        self.source().is_package()
+    /// How it holds G-code.
+    pub(super) fn form(&self) -> Form {
+        self.source().form()
     }
 
     fn source(&self) -> Source<'_> {

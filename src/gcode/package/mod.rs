@@ -7,7 +7,6 @@ mod read;
 #[cfg(feature = "cli")]
 mod write;
 
-pub(crate) use read::begins_package;
-pub(super) use read::open;
+pub(super) use read::{MAGIC, open};
 #[cfg(feature = "cli")]
 pub(crate) use write::{Parts, write};

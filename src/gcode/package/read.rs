@@ -7,20 +7,13 @@ use zip::ZipArchive;
 use crate::limits;
 
 /// How packages, and all ZIPs with something in them, begin.
-const MAGIC: &[u8] = b"PK\x03\x04";
+pub(in crate::gcode) const MAGIC: &[u8] = b"PK\x03\x04";
 /// Where the G-code of plates is, and how the names of plates begin.
 const PLATES: &str = "Metadata/plate_";
 pub(super) const GCODE: &str = ".gcode";
 /// How the names of their MD5 sums end.
 #[cfg(feature = "cli")]
 pub(super) const SUM: &str = ".gcode.md5";
-
-/// Whether a file begins as a package does.
-pub(crate) fn begins_package<R: Read>(file: &mut R) -> io::Result<bool> {
-    let mut begin = Vec::new();
-    file.take(MAGIC.len() as u64).read_to_end(&mut begin)?;
-    Ok(begin == MAGIC)
-}
 
 /// The G-code in a package.
 ///
