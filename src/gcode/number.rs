@@ -1,78 +1,90 @@
 //! Decimal numbers with no more digits than they need, without going through floating-point formatting.
 
-/// `00` to `99`.
-const PAIRS: [[u8; 2]; 100] = {
-    let mut pairs = [[0; 2]; 100];
+/// `000` to `999`, and how many zeros each ends in.
+static TRIPLES: [[u8; 4]; 1000] = {
+    let mut triples = [[0; 4]; 1000];
     let mut i = 0;
-    while i < 100 {
-        pairs[i] = [b'0' + (i / 10) as u8, b'0' + (i % 10) as u8];
+    while i < 1000 {
+        let digits = [(i / 100) as u8, (i / 10 % 10) as u8, (i % 10) as u8];
+        let zeros = match digits {
+            [0, 0, 0] => 3,
+            [_, 0, 0] => 2,
+            [_, _, 0] => 1,
+            _ => 0,
+        };
+        triples[i] = [b'0' + digits[0], b'0' + digits[1], b'0' + digits[2], zeros];
         i += 1;
     }
-    pairs
+    triples
 };
+
+/// Numbers of more digits take a longer way.
+const DIGITS: usize = 9;
 
 /// Appends `ticks / 10^decimals`: no trailing zeros, no zero before the point (`.05`, as firmwares read it).
 pub(super) fn push_fixed(out: &mut Vec<u8>, ticks: i64, decimals: u32) {
-    push(out, ticks, decimals, false);
+    push(out, [], ticks, decimals, false);
 }
 
 /// Appends `ticks / 10^decimals`: no trailing zeros, a zero before the point (`0.05`).
 pub(crate) fn push_number(out: &mut Vec<u8>, ticks: i64, decimals: u32) {
-    push(out, ticks, decimals, true);
-}
-
-#[inline]
-fn push(out: &mut Vec<u8>, ticks: i64, decimals: u32, leading_zero: bool) {
-    if ticks == 0 {
-        out.push(b'0');
-        return;
-    }
-    let mut digits = [b'0'; 24];
-    let mut at = digits.len();
-    // Two digits at a time, in 32 bits as soon as they do: most numbers are that short.
-    let mut long = ticks.unsigned_abs();
-    while long > u64::from(u32::MAX) {
-        at -= 2;
-        digits[at..at + 2].copy_from_slice(&PAIRS[(long % 100) as usize]);
-        long /= 100;
-    }
-    let mut rest = long as u32;
-    while rest >= 10 {
-        at -= 2;
-        digits[at..at + 2].copy_from_slice(&PAIRS[(rest % 100) as usize]);
-        rest /= 100;
-    }
-    if rest > 0 {
-        at -= 1;
-        digits[at] = b'0' + rest as u8;
-    }
-    let point = digits.len() - decimals as usize;
-    let mut end = digits.len();
-    while end > point && digits[end - 1] == b'0' {
-        end -= 1;
-    }
-    // Pairs may begin with a zero.
-    while at < point && digits[at] == b'0' {
-        at += 1;
-    }
-    if ticks < 0 {
-        out.push(b'-');
-    }
-    if at < point {
-        out.extend_from_slice(&digits[at..point]);
-    } else if leading_zero {
-        out.push(b'0');
-    }
-    if end > point {
-        out.push(b'.');
-        out.extend_from_slice(&digits[point..end]);
-    }
+    push(out, [], ticks, decimals, true);
 }
 
 /// Appends a space, the letter and the number.
 pub(super) fn push_word(out: &mut Vec<u8>, letter: u8, ticks: i64, decimals: u32) {
-    out.extend_from_slice(&[b' ', letter]);
-    push_fixed(out, ticks, decimals);
+    push(out, [b' ', letter], ticks, decimals, false);
+}
+
+/// Appends what comes before a number, and the number, at once.
+fn push<const N: usize>(out: &mut Vec<u8>, before: [u8; N], ticks: i64, decimals: u32, leading_zero: bool) {
+    let size = ticks.unsigned_abs();
+    let point = DIGITS.saturating_sub(decimals as usize);
+    if size == 0 || size >= 10_u64.pow(DIGITS as u32) || point == 0 {
+        out.extend_from_slice(&before);
+        return push_any(out, ticks, decimals, leading_zero);
+    }
+    let size = size as u32;
+    let triples = [size / 1_000_000, size / 1000 % 1000, size % 1000].map(|triple| TRIPLES[triple as usize]);
+    // Room behind the digits, so that as many bytes are copied whatever their number is.
+    let mut digits = [b'0'; 2 * DIGITS];
+    for (place, triple) in digits.chunks_exact_mut(3).zip(&triples) {
+        place.copy_from_slice(&triple[..3]);
+    }
+    let zeros = match triples.map(|triple| usize::from(triple[3])) {
+        [high, 3, 3] => 6 + high,
+        [_, middle, 3] => 3 + middle,
+        [_, _, low] => low,
+    };
+    let first = DIGITS - 1 - size.ilog10() as usize;
+    let mut text = [b'-'; 32];
+    text[..N].copy_from_slice(&before);
+    let mut end = N + usize::from(ticks < 0);
+    let mut append = |digits: &[u8], count: usize| {
+        text[end..end + DIGITS].copy_from_slice(&digits[..DIGITS]);
+        end += count;
+    };
+    if first < point {
+        append(&digits[first..], point - first);
+    } else if leading_zero {
+        append(&[b'0'; DIGITS], 1);
+    }
+    if zeros + point < DIGITS {
+        append(&[b'.'; DIGITS], 1);
+        append(&digits[point..], DIGITS - zeros - point);
+    }
+    out.extend_from_slice(&text[..end]);
+}
+
+/// Appends any number.
+fn push_any(out: &mut Vec<u8>, ticks: i64, decimals: u32, leading_zero: bool) {
+    let (sign, decimals) = (if ticks < 0 { "-" } else { "" }, decimals as usize);
+    let digits = format!("{:0>1$}", ticks.unsigned_abs(), decimals + 1);
+    let (whole, fraction) = digits.split_at(digits.len() - decimals);
+    let fraction = fraction.trim_end_matches('0');
+    let whole = if whole == "0" && !leading_zero && !fraction.is_empty() { "" } else { whole };
+    let point = if fraction.is_empty() { "" } else { "." };
+    out.extend([sign, whole, point, fraction].concat().bytes());
 }
 
 /// The nearest whole number, halves away from zero; NaN becomes 0, too large ones

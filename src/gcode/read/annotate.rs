@@ -83,7 +83,7 @@ impl Reader {
         if stroke.extrudes() {
             self.extrude(stroke.from[2], stroke.to[2]);
         }
-        Annotated { line: Line::new(0, 0, b""), action: Action::Stroke(stroke), context: self.context }
+        Annotated { line: Line::EMPTY, action: Action::Stroke(stroke), context: self.context }
     }
 
     /// Takes what comments say of the beads that follow.

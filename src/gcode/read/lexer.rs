@@ -78,6 +78,10 @@ pub struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
+    /// Nothing.
+    pub(crate) const EMPTY: Self =
+        Self { number: 0, offset: 0, raw: b"", text: b"", code: None, parameters: b"", comment: None };
+
     /// Takes one line apart. `raw` holds no line end but its own, if it has one.
     pub fn new(number: usize, offset: usize, raw: &'a [u8]) -> Self {
         let line = raw.strip_suffix(b"\n").unwrap_or(raw);
