@@ -163,21 +163,20 @@ impl Arrangement {
         let [width, height] = sums.fold([0.0; 2], |sum, side| [sum[0] + side[0], sum[1] + side[1]]);
         let [across, up] = sides(&whole).map(|side| side.max(1.0));
         let along_x = width / across <= height / up;
-        let mut order: Vec<(i32, u32, i32)> = self
-            .chains
-            .iter()
-            .enumerate()
-            .map(|(i, Chain { bounds: Bounds { min, max }, .. })| {
-                let (low, high) = if along_x { (min.x, max.x) } else { (min.y, max.y) };
-                (low, i as u32, high)
-            })
-            .collect();
-        order.sort_unstable();
-        for (i, &(_, a, high)) in order.iter().enumerate() {
-            let a = &self.chains[a as usize];
-            for &(_, b, _) in order[i + 1..].iter().take_while(|b| b.0 <= high) {
-                let b = &self.chains[b as usize];
-                if a.bounds.touches(&b.bounds) && !self.only_joins(a, b) && !self.only_joins(b, a) {
+        // Where each chain begins and ends along the axis, and across.
+        let swept = |(i, Chain { bounds: Bounds { min, max }, .. }): (usize, &Chain)| match along_x {
+            true => (min.x, i as u32, max.x, [min.y, max.y]),
+            false => (min.y, i as u32, max.y, [min.x, max.x]),
+        };
+        let mut order: Vec<(i32, u32, i32, [i32; 2])> = self.chains.iter().enumerate().map(swept).collect();
+        order.sort_unstable_by_key(|&(begin, chain, ..)| (begin, chain));
+        for (i, &(_, a, end, [low, high])) in order.iter().enumerate() {
+            for &(_, b, _, [from, to]) in order[i + 1..].iter().take_while(|b| b.0 <= end) {
+                if from > high || to < low {
+                    continue;
+                }
+                let (a, b) = (&self.chains[a as usize], &self.chains[b as usize]);
+                if !self.only_joins(a, b) && !self.only_joins(b, a) {
                     self.meetings_of(a, b, see)?;
                 }
             }
@@ -259,8 +258,15 @@ impl Arrangement {
         };
         let count = b.last - b.first;
         let mut passed = 0;
+        let [low, high] = [b.bounds.min, b.bounds.max].map(|p| if ALONG_X { [p.x, p.y] } else { [p.y, p.x] });
         for i in (0..a.last - a.first).map(|k| edge(a, a_ascends, k)) {
             let [along, across] = spans(i);
+            if along.0 > high[0] {
+                break;
+            }
+            if along.1 < low[0] || across.1 < low[1] || across.0 > high[1] {
+                continue;
+            }
             while passed < count && spans(edge(b, b_ascends, passed))[0].1 < along.0 {
                 passed += 1;
             }

@@ -199,26 +199,27 @@ impl EdgeGrid {
         }
         let to_left = free < at;
         let between = if to_left { free + 1..at + 1 } else { at..free };
-        // Edges that are passed on the way there. One that is in several cells comes several times.
-        let mut passed: Vec<u32> = Vec::new();
-        for &i in self.items_in(between.start as usize..between.end as usize) {
-            let Edge { a, b, .. } = self.edges[i as usize];
-            let up = a.y <= p.y;
-            let crosses = up != (b.y <= p.y);
-            if !crosses && a.y != p.y && b.y != p.y {
-                continue;
+        // Whether the number of edges that are passed on the way there is odd. One that is in the cell before, too, came already.
+        let mut odd = false;
+        let mut before: &[u32] = &[];
+        for cell in between.start as usize..between.end as usize {
+            let items = self.items_in(cell..cell + 1);
+            for i in items {
+                let Edge { a, b, .. } = self.edges[*i as usize];
+                let up = a.y <= p.y;
+                let crosses = up != (b.y <= p.y);
+                if !crosses && a.y != p.y && b.y != p.y {
+                    continue;
+                }
+                let side = (b - a).cross(p - a);
+                if side == 0 && Bounds::spanned(a, b).holds(p) {
+                    return true;
+                }
+                odd ^= crosses && (side < 0) == (up == to_left) && !before.contains(i);
             }
-            let side = (b - a).cross(p - a);
-            if side == 0 && Bounds::spanned(a, b).holds(p) {
-                return true;
-            }
-            if crosses && (side < 0) == (up == to_left) {
-                passed.push(i);
-            }
+            before = items;
         }
-        passed.sort_unstable();
-        passed.dedup();
-        inside != (passed.len() % 2 == 1)
+        inside != odd
     }
 
     /// Of every cell without edges whether it is inside.
