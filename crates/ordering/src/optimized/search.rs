@@ -135,11 +135,13 @@ impl<'a> Search<'a> {
         self.reach = u32::MAX;
     }
 
-    /// Kicks at the positions `from` to `to` − 1.
+    /// Kicks at the positions `from` to `to` − 1, each time at the dearer gap of two.
     fn iterate_within(&mut self, from: u32, to: u32, random: &mut Random, budget: u64) {
         let end = self.walk.work + budget;
         while self.walk.work < end {
-            self.kick_and_repair(from + random.below(to - from), random);
+            let [at, other] = [0; 2].map(|_| from + random.below(to - from));
+            let dearer = if self.walk.gap(other) > self.walk.gap(at) { other } else { at };
+            self.kick_and_repair(dearer, random);
         }
     }
 
