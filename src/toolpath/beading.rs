@@ -20,7 +20,7 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use geometry::real;
-use geometry::{Bounds, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM, distance_mm};
+use geometry::{Bounds, Core, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM, distance_mm};
 
 use super::bead::Line;
 use super::unfold::{Vertex, unfold};
@@ -96,14 +96,14 @@ pub(super) struct Pair {
 /// Lays one bead along the boundary of a region, with widths as the module says. Gaps narrower than `least_mm` are none.
 pub(super) fn pair(region: &Region, spacing_mm: f64, full: f64, least_mm: f64) -> Pair {
     let core = core(region, PAIR * spacing_mm, spacing_mm);
-    let covered = geometry::offset(&core, PAIR * spacing_mm);
+    let covered = geometry::offset(&core.region, PAIR * spacing_mm);
     let gap = gap(region, &core, PAIR * spacing_mm, least_mm);
-    let deep = geometry::offset(&core, -(full - PAIR) * spacing_mm);
-    let rest = geometry::offset(&deep, (full - 1.0) * spacing_mm);
+    let deep = geometry::core(&core.region, (full - PAIR) * spacing_mm);
+    let rest = geometry::offset(&deep.region, (full - 1.0) * spacing_mm);
     let loops = if geometry::narrower(&covered, &deep, full * spacing_mm, MIN_GAP_MM).is_empty() {
-        constant(&geometry::offset(&core, (PAIR - 0.5) * spacing_mm))
+        constant(&geometry::offset(&core.region, (PAIR - 0.5) * spacing_mm))
     } else {
-        let centre = geometry::offset(&core, PAIR / 2.0 * spacing_mm);
+        let centre = geometry::offset(&core.region, PAIR / 2.0 * spacing_mm);
         let [grid, outline] = [&covered, region].map(EdgeGrid::new);
         let sides = Sides { grid, outline, spacing_mm, full, rest: &rest, rest_grid: OnceCell::new() };
         centre.rings().filter_map(|ring| sides.fit(ring)).collect()
@@ -112,13 +112,15 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, full: f64, least_mm: f64) -
 }
 
 /// A region shrunk by a radius, without parts that are only occasionally thicker than that.
-pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64) -> Region {
-    let mut core = geometry::offset(region, -radius_mm);
-    core.retain(|polygon| {
+pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64) -> Core {
+    let mut core = geometry::core(region, radius_mm);
+    let count = core.region.polygons().len();
+    core.region.retain(|polygon| {
         let around_mm: f64 = polygon.rings().map(|ring| geometry::ring_length_mm(ring)).sum();
         // What is no longer than wide is the middle of a post, which takes no bead along its axis.
         around_mm < spacing_mm || 2.0 * polygon.area_mm2() >= HYSTERESIS * spacing_mm * around_mm
     });
+    core.is_whole &= core.region.polygons().len() == count;
     core
 }
 
@@ -170,7 +172,7 @@ pub(super) fn constant(centre: &Region) -> Vec<Line> {
 }
 
 /// The areas where a region is narrower than twice the radius that it was shrunk by to `core`, and at least `least_mm`.
-pub(super) fn gap(region: &Region, core: &Region, radius_mm: f64, least_mm: f64) -> Option<Gap> {
+pub(super) fn gap(region: &Region, core: &Core, radius_mm: f64, least_mm: f64) -> Option<Gap> {
     let area = geometry::narrower(region, core, radius_mm, least_mm);
     (!area.is_empty()).then(|| Gap { area, region: region.clone() })
 }

@@ -71,8 +71,8 @@ pub fn take(
     }
     let over_air = |zone: &Region| geometry::difference(zone, beneath.region);
     let all = geometry::union(&over_air(&zones.solid), &over_air(&zones.top));
-    let core = geometry::offset(&all, -width_mm);
-    let mut air = geometry::offset(&core, width_mm);
+    let core = geometry::core(&all, width_mm);
+    let mut air = geometry::offset(&core.region, width_mm);
     let anchors = LazyCell::new(|| Anchors { beneath, section: EdgeGrid::of(section), width_mm });
     let is_strip = |polygon: &Polygon| anchors.is_strip(&Region::from(polygon.clone()));
     let mut narrow = geometry::narrower(&all, &core, width_mm, width_mm);

@@ -114,9 +114,9 @@ pub fn trace(island: &Polygon, spec: &WallSpec) -> Walls {
     let section = Region::from(island.clone());
     let variable = spec.generator == WallGenerator::Variable;
     let core_mm = spec.core_mm();
-    let core = geometry::offset(&section, -core_mm);
+    let core = geometry::core(&section, core_mm);
     let least_mm = spec.least_gap_mm(0).min(beading::MIN_GAP_MM);
-    if !core.is_empty() && geometry::narrower(&section, &core, core_mm, least_mm).is_empty() {
+    if !core.region.is_empty() && geometry::narrower(&section, &core, core_mm, least_mm).is_empty() {
         concentric(&section, spec)
     } else if variable {
         fitted(spec.filled(&section), spec, 0)
@@ -199,12 +199,12 @@ fn with_gaps(mut rest: Region, spec: &WallSpec, first: u32) -> Walls {
         let spacing_mm = spec.spacing_mm(depth);
         let closest_mm = spacing_mm * CLOSEST / 2.0;
         let thick_mm = spacing_mm / 2.0 + closest_mm;
-        let thick = geometry::offset(&rest, -thick_mm);
+        let thick = geometry::core(&rest, thick_mm);
         if spec.gap_fill {
             let gap = beading::gap(&rest, &thick, thick_mm, spec.least_gap_mm(depth));
             walls.gaps.extend(gap.map(|gap| (depth, gap)));
         }
-        let centre = geometry::offset(&thick, closest_mm);
+        let centre = geometry::offset(&thick.region, closest_mm);
         walls.loops.push(beading::constant(&centre));
         rest = geometry::offset(&centre, -spacing_mm / 2.0 - spec.clear_mm(depth));
     }
@@ -220,7 +220,7 @@ fn leave_inside(mut walls: Walls, mut rest: Region, radius: f64, spec: &WallSpec
         let core = beading::core(&rest, radius_mm, spacing_mm);
         if let Some(gap) = beading::gap(&rest, &core, radius_mm, spec.least_gap_mm(spec.count)) {
             walls.gaps.push((spec.count, gap));
-            rest = geometry::intersection(&geometry::offset(&core, radius_mm), &rest);
+            rest = geometry::intersection(&geometry::offset(&core.region, radius_mm), &rest);
         }
     }
     walls.inside = rest;

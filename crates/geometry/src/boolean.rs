@@ -57,7 +57,7 @@ pub fn union_all<'a>(regions: impl IntoIterator<Item = &'a Region>) -> Region {
             result.polygons.push(first.clone());
         } else {
             let rings = cluster.iter().flat_map(|&i| polygons[i].rings());
-            result.polygons.extend(resolve(rings, Rule::NonZero).polygons);
+            result.polygons.extend(resolve(rings, Rule::NonZero).0.polygons);
         }
     }
     result
@@ -65,23 +65,27 @@ pub fn union_all<'a>(regions: impl IntoIterator<Item = &'a Region>) -> Region {
 
 /// The area that rings of any orientation wind around at least once (non-zero rule), as a region.
 pub fn unite_rings(rings: &[Ring]) -> Region {
-    resolve(rings, Rule::NonZero)
+    resolve(rings, Rule::NonZero).0
 }
 
-/// The area that the rings wind around a positive number of times.
-pub(super) fn positive(rings: &[Ring]) -> Region {
-    resolve(rings, Rule::Positive)
+/// The area that the rings wind around a positive number of times, and whether they are its rings already.
+pub(super) fn positive(rings: &[Ring]) -> (Region, bool) {
+    let (region, are_apart) = resolve(rings, Rule::Positive);
+    let are_all = are_apart && region.rings().count() == rings.len();
+    (region, are_all)
 }
 
-fn resolve<'a>(rings: impl IntoIterator<Item = &'a Ring>, rule: Rule) -> Region {
+/// The region that a rule leaves of rings, and whether they meet nowhere.
+fn resolve<'a>(rings: impl IntoIterator<Item = &'a Ring>, rule: Rule) -> (Region, bool) {
     let arrangement = Arrangement::new(rings);
     let crossings = arrangement.crossings();
     // Nothing is around a single one.
     if let ([(start, end)], Some([])) = (arrangement.spans(), crossings.as_deref()) {
-        return alone(arrangement.points()[*start..*end].to_vec(), rule);
+        return (alone(arrangement.points()[*start..*end].to_vec(), rule), true);
     }
+    let are_apart = crossings.as_ref().is_some_and(|crossings| crossings.is_empty());
     let crossed = crossings.and_then(|crossings| Crossed::new(&arrangement, &crossings));
-    of_rule(&arrangement, crossed.as_ref(), rule)
+    (of_rule(&arrangement, crossed.as_ref(), rule), are_apart)
 }
 
 /// The region that a rule leaves of a ring that does not meet itself.

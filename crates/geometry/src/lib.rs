@@ -41,7 +41,7 @@ pub use grid::{Edge, EdgeGrid};
 pub use hatch::{HatchEnd, HatchLine, scan_lines};
 pub use known::{Known, Shape};
 pub use medial::{KnownAxes, MedialPath, medial_axis, medial_axis_in};
-pub use offset::{close_between, closing, narrower, offset, offset_with, opening, remainder};
+pub use offset::{Core, close_between, closing, core, narrower, offset, offset_with, opening, remainder};
 pub use point::{Point, UNITS_PER_MM, cross, distance_mm, on_segment_mm, to_mm, to_segment_mm, to_units};
 pub use random::Random;
 pub use raw_offset::Join;

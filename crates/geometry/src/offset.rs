@@ -36,14 +36,37 @@ pub fn offset(region: &Region, by_mm: f64) -> Region {
 ///
 /// O(n) for n vertices where no parts meet or split; else O(n log n) of the polygons concerned.
 pub fn offset_with(region: &Region, by_mm: f64, join: Join) -> Region {
+    moved(region, by_mm, join).0
+}
+
+/// A region shrunk by a radius.
+#[derive(Clone, Debug)]
+pub struct Core {
+    /// What is left.
+    pub region: Region,
+    /// Whether it is known that this, grown by the radius, covers the region again: nothing is narrower than twice the radius, and
+    /// no corner is sharper than 67°. It costs nothing to find out, and holds where the shrunk outlines meet nowhere and lost no
+    /// edges but those of convex curves.
+    pub is_whole: bool,
+}
+
+/// The region shrunk by a radius as [`offset`] does.
+pub fn core(region: &Region, radius_mm: f64) -> Core {
+    let (region, is_whole) = moved(region, -radius_mm, Join::Miter { limit: 2.0 });
+    Core { region, is_whole }
+}
+
+/// [`offset_with`], and whether all rings surely move back to where they were.
+fn moved(region: &Region, by_mm: f64, join: Join) -> (Region, bool) {
     let by = (by_mm * UNITS_PER_MM).round().clamp(-5e8, 5e8);
     if by.is_nan() || by == 0.0 || region.is_empty() {
-        return region.clone();
+        return (region.clone(), true);
     }
     let mut task = Offset {
         by,
         tolerance: (TOLERANCE_MM * UNITS_PER_MM).min(by.abs() / 8.0) / 2.0,
         rings: RingOffset::new(by, join),
+        is_whole: true,
     };
     let mut result = Region::default();
     if by < 0.0 {
@@ -56,7 +79,7 @@ pub fn offset_with(region: &Region, by_mm: f64, join: Join) -> Region {
             task.together(&polygons, &mut result);
         }
     }
-    result
+    (result, task.is_whole)
 }
 
 /// What is left after shrinking and growing back: parts narrower than twice the radius vanish. Mitred corners may
@@ -89,10 +112,13 @@ pub fn remainder(region: &Region, part: &Region) -> Region {
     difference(region, &offset(part, KERF_MM))
 }
 
-/// The part of a region that an opening removes, where it is at least `least_mm` wide: `core` is the region shrunk by
-/// the radius.
-pub fn narrower(region: &Region, core: &Region, radius_mm: f64, least_mm: f64) -> Region {
-    opening(&difference(region, &offset(core, radius_mm + KERF_MM)), least_mm / 2.0)
+/// The part of a region that an opening removes, where it is at least `least_mm` wide, a multiple of the tolerance: `core` is the
+/// region shrunk by the radius.
+pub fn narrower(region: &Region, core: &Core, radius_mm: f64, least_mm: f64) -> Region {
+    if core.is_whole {
+        return Region::default();
+    }
+    opening(&difference(region, &offset(&core.region, radius_mm + KERF_MM)), least_mm / 2.0)
 }
 
 /// The polygons of a region in groups that may meet when each grows by `reach` units, as their numbers.
@@ -105,6 +131,8 @@ struct Offset {
     by: f64,
     tolerance: f64,
     rings: RingOffset,
+    /// Whether all rings so far move back to where they were.
+    is_whole: bool,
 }
 
 impl Offset {
@@ -112,18 +140,23 @@ impl Offset {
     fn together(&mut self, polygons: &[&Polygon], result: &mut Region) {
         let rings = self.prepare(polygons);
         let curves: Vec<Ring> = rings.iter().map(|ring| self.curve(ring)).collect();
-        let region = positive(&curves);
-        result.polygons.extend(region.polygons.into_iter().filter(|p| ring_area(&p.outer) > MIN_AREA_MM2));
+        let (mut region, are_apart) = positive(&curves);
+        let count = region.polygons.len();
+        region.polygons.retain(|polygon| ring_area(&polygon.outer) > MIN_AREA_MM2);
+        self.is_whole &= are_apart && region.polygons.len() == count;
+        result.polygons.append(&mut region.polygons);
     }
 
     /// A moved ring, whose points of positive winding are the offset.
     fn curve(&mut self, ring: &Ring) -> Ring {
         let front = self.rings.front(ring).map(|front| simplify_ring(&front, self.tolerance));
-        front.filter(|front| !front.is_empty()).unwrap_or_else(|| self.rings.raw(ring))
+        let front = front.filter(|front| !front.is_empty());
+        self.is_whole &= front.is_some() && self.rings.is_whole;
+        front.unwrap_or_else(|| self.rings.raw(ring))
     }
 
     /// The rings, simplified, outer ones counter-clockwise and holes clockwise, without those that surely vanish.
-    fn prepare(&self, polygons: &[&Polygon]) -> Vec<Ring> {
+    fn prepare(&mut self, polygons: &[&Polygon]) -> Vec<Ring> {
         let mut rings = Vec::new();
         for polygon in polygons {
             for (i, ring) in polygon.rings().enumerate() {
@@ -132,6 +165,7 @@ impl Offset {
                 let mut ring = simplify_ring(ring, self.tolerance);
                 let vanishes = ring.is_empty() || shrinks && self.swallows(&ring);
                 if vanishes {
+                    self.is_whole = false;
                     if is_outer {
                         break;
                     }
@@ -173,6 +207,29 @@ mod tests {
     }
 
     #[test]
+    fn nothing_of_a_region_with_a_whole_core_is_narrower() {
+        let mut random = Random::new(5);
+        let mut whole = 0;
+        for round in 0..2000 {
+            let corners = 5 + random.below(60);
+            let least_mm = 3.0 + f64::from(random.below(20)) / 10.0;
+            let ring = star(&mut random, corners, [least_mm, 5.0]);
+            let hole: Ring = star(&mut random, 12, [0.3, 0.5]).into_iter().rev().collect();
+            let region = Region::from(Polygon { outer: ring, holes: vec![hole] });
+            let radius_mm = f64::from(5 + random.below(150)) / 100.0;
+            let core = core(&region, radius_mm);
+            if !core.is_whole {
+                continue;
+            }
+            whole += 1;
+            let in_doubt = Core { is_whole: false, ..core };
+            let narrow = narrower(&region, &in_doubt, radius_mm, 0.03);
+            assert!(narrow.is_empty(), "{round}: {radius_mm} mm, {narrow:?}");
+        }
+        assert!(whole > 100, "{whole}");
+    }
+
+    #[test]
     fn what_has_shrunk_to_nothing_makes_no_difference_to_the_offset() {
         let mut random = Random::new(3);
         for round in 0..400 {
@@ -184,7 +241,7 @@ mod tests {
                 continue;
             }
             let whole =
-                positive(&[RingOffset::new(by_mm * UNITS_PER_MM, Join::Miter { limit: 2.0 }).raw(&ring)]);
+                positive(&[RingOffset::new(by_mm * UNITS_PER_MM, Join::Miter { limit: 2.0 }).raw(&ring)]).0;
             let moved = offset(&Region::from(Polygon { outer: ring.clone(), holes: Vec::new() }), by_mm);
             for (a, b) in [(&whole, &moved), (&moved, &whole)] {
                 let more = opening(&difference(a, b), 3.0 * TOLERANCE_MM);

@@ -42,6 +42,12 @@ const NEEDLE: f64 = 4e-4;
 /// Above this value of 1 + cos(turn) a turn is slight (up to 14°): its mitre is within 0.8 % of the distance from the arc.
 const SLIGHT: f64 = 1.97;
 
+/// Tangent of half the turn at a corner of 67°: where it is sharper than 60°, the offset back is cut square.
+const BLUNT: f64 = 1.5;
+
+/// Offset edges longer than this stay when the result is simplified, where that makes a difference.
+const SURE_MM: f64 = 0.02;
+
 #[derive(Clone, Copy)]
 struct Vector {
     x: f64,
@@ -102,6 +108,9 @@ pub(super) struct RingOffset {
     corners: Vec<Corner>,
     /// Edges whose offset has a negative length.
     lost: Vec<u32>,
+    /// Whether the last [`Self::front`], moved back, covers the ring's side of all edges again: only edges of convex curves went,
+    /// and no corner is much sharper than a right angle on the side that the edges move to.
+    pub(super) is_whole: bool,
 }
 
 impl RingOffset {
@@ -115,7 +124,7 @@ impl RingOffset {
                 (1.0 + real::cos(step), step)
             }
         };
-        Self { by, join, miter_floor, arc_step, corners: Vec::new(), lost: Vec::new() }
+        Self { by, join, miter_floor, arc_step, corners: Vec::new(), lost: Vec::new(), is_whole: false }
     }
 
     /// The offset curve whose edges are the ring's, moved, extended or shortened to meet, without those that
@@ -221,6 +230,7 @@ impl RingOffset {
             }
         }
         let mut left = self.corners.len();
+        let mut is_convex = true;
         while let Some(i) = self.lost.pop() {
             let edge = self.corners[i as usize];
             if !self.is_linked(i as usize, &edge) || !self.is_lost(i as usize) {
@@ -235,6 +245,7 @@ impl RingOffset {
             if joined(a.along, edge.along) || joined(edge.along, c.along) {
                 return None;
             }
+            is_convex &= !self.parts(a.along, edge.along) && !self.parts(edge.along, c.along);
             let turn = a.along.cross(c.along);
             if turn * self.by > 0.0 || turn.abs() < NEEDLE || 1.0 + a.along.dot(c.along) < NEEDLE {
                 return None;
@@ -260,6 +271,13 @@ impl RingOffset {
                 }
             }
         }
+        let is_sure = |corner: &Corner| {
+            let end = self.corners[corner.after as usize].gain;
+            let stays = corner.length + corner.gain + end > SURE_MM * UNITS_PER_MM;
+            corner.gain > -BLUNT * self.by.abs() && (stays || (corner.gain <= 0.0 && end <= 0.0))
+        };
+        let mut corners = self.corners.iter().enumerate();
+        self.is_whole = is_convex && corners.all(|(i, corner)| !self.is_linked(i, corner) || is_sure(corner));
         Some(())
     }
 

@@ -35,17 +35,18 @@ const CORNER: f64 = 4.0;
 
 /// Splits a solid zone into parts wide enough for parallel lines, and the rest.
 pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
-    let core = geometry::offset(zone, -NARROW / 2.0 * spacing_mm);
-    if core.is_empty() {
-        return (core, zone.clone());
+    let core = geometry::core(zone, NARROW / 2.0 * spacing_mm);
+    if core.region.is_empty() {
+        return (core.region, zone.clone());
     }
-    let is_wide = |polygon: &Polygon| core.polygons().iter().any(|part| polygon.contains(part.outer[0]));
+    let is_wide =
+        |polygon: &Polygon| core.region.polygons().iter().any(|part| polygon.contains(part.outer[0]));
     let (wide, small): (Vec<_>, Vec<_>) = zone.polygons().iter().cloned().partition(is_wide);
     let wide = Region::disjoint(wide);
     let mut narrow = geometry::narrower(&wide, &core, NARROW / 2.0 * spacing_mm, spacing_mm / 2.0);
     narrow.retain(|polygon| polygon.area_mm2() >= CORNER * spacing_mm * spacing_mm);
     if !narrow.is_empty() {
-        let core = geometry::offset(&wide, -NECK / 2.0 * spacing_mm);
+        let core = geometry::core(&wide, NECK / 2.0 * spacing_mm);
         let necks = geometry::narrower(&wide, &core, NECK / 2.0 * spacing_mm, spacing_mm / 2.0);
         narrow.retain(|polygon| !geometry::intersection(&Region::from(polygon.clone()), &necks).is_empty());
     }
