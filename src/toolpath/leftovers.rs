@@ -12,6 +12,9 @@ use super::path::Path;
 /// Smaller places are not worth the travel to them, mm².
 const SMALLEST_MM2: f64 = 0.02;
 
+/// What is narrower is no part of them, mm: a bead's ends, which do not reach into tips, hold what is open there.
+const NARROWEST_MM: f64 = 0.06;
+
 /// Flatter turns leave nothing open beside them: cosine of 15°.
 const FLAT: f64 = 0.966;
 
@@ -33,7 +36,7 @@ pub(super) fn find(area: &Region, paths: &[Path]) -> Vec<Place> {
     }
     let covered: Vec<Ring> = paths.iter().flat_map(rings).collect();
     let open = geometry::difference(area, &geometry::unite_rings(&covered));
-    let wide = geometry::opening(&open, beading::MIN_GAP_MM / 2.0);
+    let wide = geometry::opening(&open, NARROWEST_MM / 2.0);
     let places = wide.polygons().iter().filter(|polygon| polygon.area_mm2() >= SMALLEST_MM2);
     let place = |polygon: &Polygon| {
         let region = Region::from(polygon.clone());

@@ -92,6 +92,14 @@ impl Width {
         }
     }
 
+    /// Makes it wider by so much everywhere.
+    pub(crate) fn widen(&mut self, more_mm: f64) {
+        match self {
+            Self::Constant(width_mm) => *width_mm += more_mm,
+            Self::PerVertex(widths) => widths.iter_mut().for_each(|width_mm| *width_mm += more_mm as f32),
+        }
+    }
+
     /// The widest place.
     pub(crate) fn widest_mm(&self) -> f64 {
         match self {
@@ -180,6 +188,8 @@ pub struct Island {
     pub object: u32,
     /// Whether the same outline is beneath it, so that its walls hang over nothing.
     pub repeats: bool,
+    /// Whether another tool's part of the object is beside it. Its beads are fitted to that one's, and drawn as they are planned.
+    pub meets_others: bool,
 }
 
 /// All paths of one layer, in the order in which they were made.

@@ -38,6 +38,9 @@ const LONGEST_JOIN: f64 = 2.5;
 /// rest on the one beneath where that leans.
 const EMBEDDED: f64 = 0.35;
 
+/// Beads of parts are so much wider than they are apart, mm: G-code has thousandths, and rounding leaves no hairline between them.
+const ROUNDED_MM: f64 = 0.0015;
+
 /// What outermost walls leave is not filled further outside than this, in their widths.
 const INSIDE: f64 = 0.6;
 
@@ -315,11 +318,14 @@ impl Planner {
             let support_below = object.beneath.map(Beneath::new);
             let part = Part { object, support_below, hollow: self.hollow(object, section) };
             layer.tool = object.tool;
+            let others = object.tool.map(|tool| beside(object, tool, section)).unwrap_or_default();
             for (polygon, walls) in object.section.polygons().iter().zip(walls.by_ref()) {
                 layer.island = Some(IslandId(islands.len() as u32));
                 let beneath = object.beneath.filter(|_| is_even);
                 let repeats = beneath.is_some_and(|beneath| beneath.polygons().contains(polygon));
-                islands.push(Island { object: object.object, repeats });
+                let meets_others = !others.is_empty()
+                    && !geometry::intersection(&others, &Region::from(polygon.clone())).is_empty();
+                islands.push(Island { object: object.object, repeats, meets_others });
                 self.island(&mut layer, polygon, walls, &part, section);
             }
             if object.has_walls() {
@@ -430,6 +436,9 @@ impl Planner {
         layer.solid(&zones.top, &solid, section.index, settings);
         if object.tool.is_some() && self.settings.walls.gap_fill {
             self.leftovers(layer, first, polygon, &zones.sparse, section);
+        }
+        if object.tool.is_some() {
+            layer.paths[first..].iter_mut().for_each(|path| path.width.widen(ROUNDED_MM));
         }
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);
