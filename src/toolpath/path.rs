@@ -92,14 +92,6 @@ impl Width {
         }
     }
 
-    /// Makes it wider by so much everywhere.
-    pub(crate) fn widen(&mut self, more_mm: f64) {
-        match self {
-            Self::Constant(width_mm) => *width_mm += more_mm,
-            Self::PerVertex(widths) => widths.iter_mut().for_each(|width_mm| *width_mm += more_mm as f32),
-        }
-    }
-
     /// The widest place.
     pub(crate) fn widest_mm(&self) -> f64 {
         match self {

@@ -38,9 +38,6 @@ const LONGEST_JOIN: f64 = 2.5;
 /// rest on the one beneath where that leans.
 const EMBEDDED: f64 = 0.35;
 
-/// Beads of parts are so much wider than they are apart, mm: G-code has thousandths, and rounding leaves no hairline between them.
-const ROUNDED_MM: f64 = 0.0015;
-
 /// What outermost walls leave is not filled further outside than this, in their widths.
 const INSIDE: f64 = 0.6;
 
@@ -436,9 +433,6 @@ impl Planner {
         layer.solid(&zones.top, &solid, section.index, settings);
         if object.tool.is_some() && self.settings.walls.gap_fill {
             self.leftovers(layer, first, polygon, &zones.sparse, section);
-        }
-        if object.tool.is_some() {
-            layer.paths[first..].iter_mut().for_each(|path| path.width.widen(ROUNDED_MM));
         }
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);
