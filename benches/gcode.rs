@@ -42,7 +42,7 @@ fn layer() -> LayerPaths {
         index: 7,
         top_mm: 1.6,
         height_mm: 0.2,
-        islands: vec![Island { object: 0, repeats: false }],
+        islands: vec![Island { object: 0, repeats: false, meets_others: false }],
         paths: (0..MOVES / 100).map(ring).collect(),
         outline: Region::default(),
         beneath: None,

@@ -54,6 +54,8 @@ pub(super) struct Nozzle<'a> {
     pub(super) bead: Option<(Role, f64, f64)>,
     /// Whether the path being drawn is a small wall.
     pub(super) small: bool,
+    /// Whether its corners stay as they are planned.
+    pub(super) fitted: bool,
     pub(super) object: Option<u32>,
     /// The current bead, with its corners as they are, its curves refined, and as it is drawn.
     pub(super) plain: Vec<Piece>,

@@ -69,6 +69,7 @@ pub fn plan_layer(
         acceleration: None,
         bead: None,
         small: false,
+        fitted: false,
         object: None,
         plain: Vec::new(),
         curved: Vec::new(),
@@ -231,6 +232,9 @@ impl Nozzle<'_> {
     fn draw(&mut self, path: &Path, vertices: &mut Vec<Vertex>) {
         let first = self.moves.len();
         self.small = path.role.is_wall() && is_small(path);
+        let island = path.island.and_then(|island| self.islands.get(island.index()));
+        // Sparse infill meets nothing.
+        self.fitted = path.role != Role::InternalInfill && island.is_some_and(|island| island.meets_others);
         let scarf = finish(path, vertices, self.rules.index(), self.settings);
         if let Some(scarf) = &scarf {
             self.begin(path, Grade::Held);
@@ -301,11 +305,15 @@ impl Nozzle<'_> {
         let width_mm = self.bead.map_or(0.0, |bead| bead.1);
         self.pieces.clear();
         self.plain.clear();
-        straighten(vertices, &mut self.plain);
-        self.curved.clear();
-        let gentle_rad = gentle_rad(speed, self.settings.square_corner_velocity);
-        refine_curves(from, &self.plain, curve_rad(role, gentle_rad), &mut self.curved);
-        round_corners(from, &self.curved, &Rounding::of(role, width_mm, gentle_rad), &mut self.pieces);
+        if self.fitted {
+            straighten(vertices, &mut self.pieces);
+        } else {
+            straighten(vertices, &mut self.plain);
+            self.curved.clear();
+            let gentle_rad = gentle_rad(speed, self.settings.square_corner_velocity);
+            refine_curves(from, &self.plain, curve_rad(role, gentle_rad), &mut self.curved);
+            round_corners(from, &self.curved, &Rounding::of(role, width_mm, gentle_rad), &mut self.pieces);
+        }
         self.moves.extend(self.pieces.iter().map(|piece| Move::Extrude {
             to: piece.to,
             volume: Mm3(piece.volume_mm3),

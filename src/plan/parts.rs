@@ -29,6 +29,9 @@ pub(crate) type Parts = Vec<Part>;
 /// What is painted: a tool's share of a layer.
 pub(crate) type Painted = (ToolId, Region);
 
+/// Walls of parts press into each other by so much more than those of one do, mm: offsets and coordinates are rounded.
+const ROUNDED_MM: f64 = 0.003;
+
 const ROUND: Join = Join::Round { tolerance_mm: 0.02 };
 
 /// What objects have in common.
@@ -145,7 +148,7 @@ impl Kinds {
 /// Lets the walls of parts press into each other where these meet, as walls of one part do: beads are narrower above and below.
 /// Tips in which the narrowest bead has no room, which would be laid over what is beside them, are rounded off.
 fn press(parts: &mut Parts, section: &Region, height_mm: f64, bead_mm: f64) {
-    let each_mm = bead::rounding_mm(height_mm) / 2.0;
+    let each_mm = bead::rounding_mm(height_mm) / 2.0 + ROUNDED_MM;
     let radius_mm = bead_mm / 2.0;
     let narrow = geometry::difference(section, &geometry::opening(section, radius_mm));
     for part in parts {

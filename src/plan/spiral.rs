@@ -97,7 +97,7 @@ impl Spiral {
             index: span.index,
             top_mm: span.top_mm,
             height_mm: span.height_mm,
-            islands: vec![Island { object: 0, repeats: false }],
+            islands: vec![Island { object: 0, repeats: false, meets_others: false }],
             paths: if rises.is_empty() { Vec::new() } else { vec![path] },
             outline: section.clone(),
             beneath: Some(beneath.clone()),

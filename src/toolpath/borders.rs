@@ -12,13 +12,13 @@ use geometry::{EdgeGrid, Point, Region};
 const FLAT: f64 = 0.866;
 
 /// At a corner a wall is pressed so far into another of its part, or towards the outline, mm.
-const PRESSED_MM: f64 = 0.03;
+const PRESSED_MM: f64 = 0.04;
 
 /// The same towards another part, whose wall does the same.
 const TOWARDS_OTHERS_MM: f64 = 0.012;
 
 /// A corner's bead is moved no further, mm: tips of sharp ones would be.
-const FURTHEST_MM: f64 = 0.06;
+const FURTHEST_MM: f64 = 0.08;
 
 /// The sides of a corner are at least so long, in widths.
 const SIDE: f64 = 0.5;
@@ -27,7 +27,7 @@ const SIDE: f64 = 0.5;
 const STRAIGHT: f64 = 0.97;
 
 /// So far from the corner, in widths, a wall is where it was: less than half of a side, of which the other end may be pressed, too.
-const REACH: f64 = 0.18;
+const REACH: f64 = 0.14;
 
 /// A single bead may lie so far over another part, mm.
 const OVER_MM: f64 = 0.015;

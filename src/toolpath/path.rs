@@ -180,6 +180,8 @@ pub struct Island {
     pub object: u32,
     /// Whether the same outline is beneath it, so that its walls hang over nothing.
     pub repeats: bool,
+    /// Whether another tool's part of the object is beside it. Its beads are fitted to that one's, and drawn as they are planned.
+    pub meets_others: bool,
 }
 
 /// All paths of one layer, in the order in which they were made.

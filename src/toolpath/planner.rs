@@ -315,11 +315,14 @@ impl Planner {
             let support_below = object.beneath.map(Beneath::new);
             let part = Part { object, support_below, hollow: self.hollow(object, section) };
             layer.tool = object.tool;
+            let others = object.tool.map(|tool| beside(object, tool, section)).unwrap_or_default();
             for (polygon, walls) in object.section.polygons().iter().zip(walls.by_ref()) {
                 layer.island = Some(IslandId(islands.len() as u32));
                 let beneath = object.beneath.filter(|_| is_even);
                 let repeats = beneath.is_some_and(|beneath| beneath.polygons().contains(polygon));
-                islands.push(Island { object: object.object, repeats });
+                let meets_others = !others.is_empty()
+                    && !geometry::intersection(&others, &Region::from(polygon.clone())).is_empty();
+                islands.push(Island { object: object.object, repeats, meets_others });
                 self.island(&mut layer, polygon, walls, &part, section);
             }
             if object.has_walls() {

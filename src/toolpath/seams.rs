@@ -209,7 +209,7 @@ mod tests {
             index: 3,
             top_mm: 0.8,
             height_mm: 0.2,
-            islands: vec![Island { object: 0, repeats: false }],
+            islands: vec![Island { object: 0, repeats: false, meets_others: false }],
             paths: vec![wall(Role::ExternalPerimeter, 0.2), wall(Role::Perimeter, 0.6)],
             outline: geometry::unite_rings(&[ring(0.0)]),
             beneath: None,

@@ -51,6 +51,17 @@ fn variants() -> Vec<(&'static str, Settings)> {
 }
 
 #[test]
+fn corners_that_are_fitted_to_another_tools_part_are_drawn_as_planned() {
+    let corners = [(100.0, 100.0), (110.0, 100.0), (110.0, 110.0), (105.0, 113.0), (100.0, 110.0)];
+    let mut walls = layer(0, vec![path(Role::Perimeter, true, &corners)]);
+    let drawn = |walls: &LayerPaths| strokes(&print(std::slice::from_ref(walls), &bare(), &[])).len();
+    let rounded = drawn(&walls);
+    walls.islands[0].meets_others = true;
+    let fitted = drawn(&walls);
+    assert!(fitted < rounded, "{fitted} pieces, {rounded} where corners are rounded");
+}
+
+#[test]
 fn the_volume_read_back_is_that_of_the_paths() {
     let layers = mixed(4);
     for (name, settings) in variants() {

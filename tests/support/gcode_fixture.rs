@@ -94,7 +94,7 @@ pub fn layer(index: usize, paths: Vec<Path>) -> LayerPaths {
         index,
         top_mm: 0.2 * (index + 1) as f64,
         height_mm: 0.2,
-        islands: vec![Island { object: 0, repeats: false }],
+        islands: vec![Island { object: 0, repeats: false, meets_others: false }],
         paths,
         outline: Region::default(),
         beneath: None,
