@@ -9,8 +9,8 @@ use super::beneath::Beneath;
 /// Distance between the points looked at.
 const STEP_MM: f64 = 0.4;
 
-/// A line is not divided for less than this.
-const LEAST_MM: f64 = 2.0;
+/// A line is not divided for less than this: what is too much in short pieces fills the corners between them.
+const LEAST_MM: f64 = 5.0;
 
 /// A bead lies where its middle does, and both sides at this share of its spacing from there.
 const SIDE: f64 = 0.45;
