@@ -7,8 +7,10 @@ use geometry::{KnownAxes, Polygon, Region, Ring};
 
 use super::bead::{self, Line};
 use super::beading::{self, Gap};
+use super::beneath::Beneath;
 use super::bridges::Bridge;
 use super::infill::{self, SolidSpec};
+use super::laid::{self, Parts};
 use super::{IslandId, Path, Phase, Role, ToolId, Width};
 
 /// Infill lines shorter than this hold nothing.
@@ -39,12 +41,13 @@ pub(super) struct Solid {
     pub fit_angle: bool,
 }
 
-/// How bridge lines are drawn: their distance, and each one's width and height.
+/// How bridge lines are drawn: their distance, each one's width and height, and how far they reach over their anchors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BridgeLine {
     pub spacing_mm: f64,
     pub width_mm: f64,
     pub height_mm: f64,
+    pub anchor_mm: f64,
 }
 
 /// The paths of a layer as they grow.
@@ -139,10 +142,15 @@ impl<'a> LayerBuilder<'a> {
         }
     }
 
-    /// Bridge lines side by side.
-    pub fn bridge(&mut self, bridge: &Bridge, line: &BridgeLine, settings: &InfillSettings) {
+    /// Bridge lines side by side; solid infill where they lie on the layer beneath.
+    pub fn bridge(
+        &mut self,
+        bridge: &Bridge,
+        line: &BridgeLine,
+        beneath: &Beneath<'_>,
+        settings: &InfillSettings,
+    ) {
         let reach_mm = settings.overlap.0 * line.spacing_mm;
-        let layer_mm = std::mem::replace(&mut self.height_mm, line.height_mm);
         let spec = SolidSpec {
             spacing_mm: line.spacing_mm,
             reach_mm,
@@ -155,19 +163,25 @@ impl<'a> LayerBuilder<'a> {
             fit_mm: bridge.strip_mm,
         };
         for patch in infill::fill_solid(&bridge.area, &spec) {
-            self.lines(
-                Role::BridgeInfill,
-                Phase::Inside,
-                line.width_mm,
-                patch.lines.into_iter().map(|(_, line)| line),
-            );
+            let lines = patch.lines.into_iter().map(|(_, line)| line).collect();
+            let Parts { hanging, laid } = laid::split(lines, line.spacing_mm, line.anchor_mm, beneath);
+            let layer_mm = std::mem::replace(&mut self.height_mm, line.height_mm);
+            self.lines(Role::BridgeInfill, Phase::Inside, line.width_mm, hanging);
+            self.height_mm = layer_mm;
+            self.laid(Role::SolidInfill, line.spacing_mm, laid);
         }
-        self.height_mm = layer_mm;
     }
 
-    /// Perimeters over air, as thick as bridge lines.
-    pub fn extra_perimeters(&mut self, mut lines: Vec<Line>, line: &BridgeLine) {
-        let BridgeLine { spacing_mm, width_mm, height_mm } = *line;
+    /// What lies on the layer beneath beside bridge lines, as close to each other as these are.
+    fn laid(&mut self, role: Role, spacing_mm: f64, lines: Vec<Line>) {
+        self.lines(role, Phase::Inside, bead::width_mm(spacing_mm, self.height_mm), lines);
+    }
+
+    /// Perimeters over air, as thick as bridge lines; plain ones where they lie on the layer beneath.
+    pub fn extra_perimeters(&mut self, lines: Vec<Line>, line: &BridgeLine, beneath: &Beneath<'_>) {
+        let BridgeLine { spacing_mm, width_mm, height_mm, anchor_mm } = *line;
+        let Parts { hanging: mut lines, laid } = laid::split(lines, spacing_mm, anchor_mm, beneath);
+        self.laid(Role::Perimeter, spacing_mm, laid);
         let layer_mm = std::mem::replace(&mut self.height_mm, height_mm);
         // What is narrower than usual is so by as much as its spacing is.
         let less_mm = (bead::width_mm(spacing_mm, height_mm) - width_mm) as f32;

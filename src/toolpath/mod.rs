@@ -15,6 +15,7 @@ mod hollow;
 pub mod infill;
 mod island_walls;
 mod known_walls;
+mod laid;
 mod layer_builder;
 mod leftovers;
 mod options;

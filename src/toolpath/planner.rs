@@ -384,14 +384,13 @@ impl Planner {
         let mut zones = self.zones(&inside, object, section, hollow.as_ref());
         if let Some(support_below) = support_below.as_ref().filter(|_| self.settings.bridge.enabled) {
             let line = self.bridge_line(widths.solid_mm, section.height_mm);
-            let anchor_mm = self.settings.bridge.anchor.0;
             let first = layer.paths.len();
             for bridge in
-                bridges::take(&mut zones, &inside, polygon, support_below, line.spacing_mm, anchor_mm)
+                bridges::take(&mut zones, &inside, polygon, support_below, line.spacing_mm, line.anchor_mm)
             {
                 match self.extra_perimeters(&bridge, &inside, support_below, &line) {
-                    Some(lines) => layer.extra_perimeters(lines, &line),
-                    None => layer.bridge(&bridge, &line, settings),
+                    Some(lines) => layer.extra_perimeters(lines, &line, support_below),
+                    None => layer.bridge(&bridge, &line, support_below, settings),
                 }
             }
             support_below.reach_aside(&mut layer.paths[first..], polygon);
@@ -475,13 +474,19 @@ impl Planner {
 
     /// How bridge lines are drawn on a layer with solid infill of this width.
     fn bridge_line(&self, solid_mm: f64, height_mm: f64) -> BridgeLine {
-        let BridgeSettings { thick, flow, .. } = self.settings.bridge;
+        let BridgeSettings { thick, flow, anchor, .. } = self.settings.bridge;
+        let anchor_mm = anchor.0;
         if thick {
             let round_mm = self.settings.nozzle.0 * flow.sqrt();
-            return BridgeLine { spacing_mm: round_mm, width_mm: round_mm, height_mm: round_mm };
+            return BridgeLine { spacing_mm: round_mm, width_mm: round_mm, height_mm: round_mm, anchor_mm };
         }
         let spacing_mm = bead::spacing_mm(solid_mm, height_mm);
-        BridgeLine { spacing_mm, width_mm: bead::width_mm(spacing_mm * flow, height_mm), height_mm }
+        BridgeLine {
+            spacing_mm,
+            width_mm: bead::width_mm(spacing_mm * flow, height_mm),
+            height_mm,
+            anchor_mm,
+        }
     }
 
     /// Sparse infill: of the layer, and of those beneath that it is combined with.

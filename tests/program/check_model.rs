@@ -11,6 +11,7 @@ use pathwright::check::{CheckReport, Kind};
 use pathwright::job::Job;
 use pathwright::mesh::{Mesh, Transform};
 use pathwright::plate::{Line, read_file};
+use pathwright::profile::Settings;
 
 /// An angle with arms of 30 and 15 mm, and a hole in it.
 fn angle() -> Facets {
@@ -101,6 +102,41 @@ fn a_model_among_others_is_found_and_the_others_are_told() {
         "{report}"
     );
     assert_eq!(report.model.expect("compared").missing_islands, 0);
+}
+
+#[test]
+fn a_grid_of_single_beads_is_found_by_its_beads() {
+    let (folder, settings) = (Folder::new(), Settings::default());
+    let bars = (0..5_u8).flat_map(|i| {
+        let at = 5.0 * f32::from(i);
+        [cuboid([at, 0.0, 0.0], [at + 0.45, 20.45, 0.6]), cuboid([0.0, at, 0.0], [20.45, at + 0.45, 0.6])]
+            .concat()
+    });
+    let models = vec![folder.file("grid.stl", &bars.collect())];
+    let print = run(&Job::of(models.clone()), &settings).expect("a print");
+    let report = beside(&print.text, &bodies(&models, &Transform::default()), &settings);
+    assert_eq!((kinds(&report), places(&report)), (vec![], vec![("grid", 0)]), "{report}");
+    // Another model is not there.
+    let other = vec![folder.file("block.stl", &block())];
+    let report = beside(&print.text, &bodies(&other, &Transform::default()), &settings);
+    assert_eq!(kinds(&report), vec![Kind::NotPlaced], "{report}");
+}
+
+#[test]
+fn a_sheet_that_only_the_middle_of_a_layer_has_is_not_outside_of_the_model() {
+    let (folder, settings) = (Folder::new(), Settings::default());
+    let hollow = |low: f32, high: f32| {
+        let facets = cuboid([4.0, 4.0, low], [12.0, 12.0, high]);
+        facets.into_iter().map(|[a, b, c]| [a, c, b]).collect::<Facets>()
+    };
+    // Cut at 5.1 mm, between 5 and 5.2 mm.
+    let facets = [cuboid([0.0; 3], [16.0, 16.0, 8.0]), hollow(3.0, 5.08), hollow(5.12, 7.0)].concat();
+    let models = vec![folder.file("hollow.stl", &facets)];
+    let print = run(&Job::of(models.clone()), &settings).expect("a print");
+    let report = beside(&print.text, &bodies(&models, &Transform::default()), &settings);
+    assert_eq!(kinds(&report), vec![], "{report}");
+    assert!(String::from_utf8_lossy(&print.text).contains(";TYPE:Bridge infill"));
+    assert_eq!(report.model.expect("compared").extra_mm, 0.0);
 }
 
 #[test]

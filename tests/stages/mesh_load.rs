@@ -319,7 +319,12 @@ fn an_obj_is_read_with_all_notations_of_a_vertex() {
     let load = |data: &[u8]| pathwright::mesh::from_bytes("part.obj".as_ref(), data);
     let (mesh, report) = load(&data).unwrap();
     assert_eq!((mesh.size(), report.volume_mm3.round(), report.watertight), ([2.0, 3.0, 4.0], 24.0, true));
+    for end in ["\n", "\r\n", "\r"] {
+        let split = String::from_utf8_lossy(&data).replace("f 4 3 2 1\n", &format!("f 4 3 \\{end}2 1{end}"));
+        assert!(load(split.as_bytes()).unwrap().0 == mesh, "a face goes on after {end:?}");
+    }
     let refused = |line: &str| load(format!("{corners}{line}\n").as_bytes()).unwrap_err().to_string();
+    assert!(refused("f 1 2 \\\n9").contains("line 9: a face names vertex 9"));
     assert!(refused("f 1 2 9").contains("line 9: a face names vertex 9, and 8 were given before it"));
     assert!(refused("f 1 2 -9").contains("a face names vertex -9"));
     assert!(refused("f 0 1 2").contains("a face names vertex 0"));

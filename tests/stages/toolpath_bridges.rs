@@ -41,6 +41,23 @@ fn bridges_span_the_short_side_of_a_rectangle() {
 }
 
 #[test]
+fn lines_beside_a_bridge_that_lie_on_the_part_are_no_thicker_than_the_layer() {
+    let full = rectangle(0.0, 0.0, 40.0, 20.0);
+    let open = with_hole(full.clone(), &rectangle(15.0, 2.0, 22.0, 18.0));
+    let roof = roof(&open, &full);
+    let deep = geometry::offset(&open, -0.3);
+    for path in of_role(&roof, Role::BridgeInfill) {
+        let on_part = path.points.windows(2).filter(|e| e.iter().all(|p| deep.contains(*p)));
+        let longest_mm = on_part.map(|e| e[0].distance_mm(e[1])).fold(0.0, f64::max);
+        assert!(longest_mm < 5.0, "{longest_mm} mm of a bridge line lie on the part");
+    }
+    let laid = of_role(&roof, Role::SolidInfill).into_iter().filter(|path| {
+        path.points.windows(2).any(|e| e[0].distance_mm(e[1]) > 4.0 && e.iter().all(|p| deep.contains(*p)))
+    });
+    assert!(laid.count() > 0);
+}
+
+#[test]
 fn bridges_between_two_pillars_go_from_one_to_the_other() {
     let full = rectangle(0.0, 0.0, 40.0, 8.0);
     let mut pillars = rectangle(0.0, 0.0, 8.0, 8.0);

@@ -153,9 +153,13 @@ impl Search<'_> {
         // Where no walls are printed, nothing shows outlines.
         let outlined = match self.survey.has_edges() {
             true => self.outlined(&must, Point::from_mm(at_mm[0], at_mm[1]), &nothing),
-            false => 1.0,
+            false => Some(1.0),
         };
-        (Fit { inside: shares[best], outlined }, Found { placed, bottom_mm, lost: Vec::new() })
+        // Nor where all is thinner than two beads: what the beads say has to do.
+        (
+            Fit { inside: shares[best], outlined: outlined.unwrap_or(shares[best]) },
+            Found { placed, bottom_mm, lost: Vec::new() },
+        )
     }
 
     /// The share of the print's beads for which this holds.
@@ -212,7 +216,7 @@ impl Search<'_> {
                 let shape = Rc::new(Shape { must: must.clone(), may });
                 for at_mm in self.shifts(&outlines) {
                     let share = self.outlined(&must, Point::from_mm(at_mm[0], at_mm[1]), &nothing);
-                    if share >= OUTLINED {
+                    if let Some(share) = share.filter(|share| *share >= OUTLINED) {
                         candidates.push(Candidate { kind, quarters, at_mm, share, shape: shape.clone() });
                     }
                 }
@@ -233,7 +237,7 @@ impl Search<'_> {
         let mut counts = vec![0_usize; kinds.len()];
         for Candidate { kind, quarters, at_mm, shape, .. } in candidates {
             let by = Point::from_mm(at_mm[0], at_mm[1]);
-            if self.outlined(&shape.must, by, &taken) < OUTLINED {
+            if self.outlined(&shape.must, by, &taken).is_none_or(|share| share < OUTLINED) {
                 continue;
             }
             // Bodies of one kind are distinguished by their order alone.
@@ -300,8 +304,8 @@ impl Search<'_> {
         kinds
     }
 
-    /// The share of a body's outline, moved, on which walls lie that belong to no other body.
-    fn outlined(&self, outlines: &[Region], by: Point, taken: &[Vec<Region>]) -> f64 {
+    /// The share of a body's outline, moved, on which walls lie that belong to no other body. `None`: it has none.
+    fn outlined(&self, outlines: &[Region], by: Point, taken: &[Vec<Region>]) -> Option<f64> {
         let (mut seen, mut on_walls) = (0_usize, 0_usize);
         for (layer, (shown, outline)) in self.shown.iter().zip(outlines).enumerate() {
             for p in outline.rings().flat_map(along) {
@@ -311,7 +315,7 @@ impl Search<'_> {
                 on_walls += usize::from(free && shown.has_wall(p));
             }
         }
-        on_walls as f64 / seen.max(1) as f64
+        (seen > 0).then(|| on_walls as f64 / seen as f64)
     }
 }
 

@@ -14,7 +14,7 @@ use crate::gcode::{Action, Reader, Stroke, each_line};
 use crate::toolpath::Role;
 use crate::toolpath::bead;
 use crate::toolpath::support::{Bitmap, Grid};
-use geometry::{Bounds, Point, Region, Ring};
+use geometry::{Bounds, EdgeGrid, Point, Region, Ring};
 
 /// Cells in which beads are painted.
 const CELL_MM: f64 = 0.1;
@@ -80,6 +80,16 @@ pub(super) fn compare(
     Ok(())
 }
 
+/// The middle of a bead.
+fn middle(bead: &Stroke) -> Point {
+    let [x, y, _] = bead.at(0.5);
+    Point::from_mm(x, y)
+}
+
+fn length_mm(beads: &[Stroke]) -> f64 {
+    beads.iter().map(|bead| bead.xy_mm).sum()
+}
+
 /// The current layer.
 struct LayerNow {
     level: Level,
@@ -90,8 +100,8 @@ struct LayerNow {
     must: Region,
     /// Beads that will be part of the ground, with their width and whether they are the model's.
     beads: Vec<(Stroke, f64, bool)>,
-    extra_mm: f64,
-    extra_at: Option<[f64; 3]>,
+    /// Beads of the model outside of that.
+    extra: Vec<Stroke>,
     /// Length of the beads at its height, and of those that rise to it.
     level_mm: f64,
     risen_mm: f64,
@@ -142,10 +152,8 @@ impl Print<'_> {
         if part {
             self.path.add(stroke, height_mm, width_mm, &self.ground);
             if let Some(may) = layer.may.as_ref().filter(|_| self.has_roles) {
-                let [x, y, z] = stroke.at(0.5);
-                if !may.has_at(Point::from_mm(x, y)) {
-                    layer.extra_mm += stroke.xy_mm;
-                    layer.extra_at.get_or_insert([x, y, z]);
+                if !may.has_at(middle(stroke)) {
+                    layer.extra.push(*stroke);
                 }
             }
         }
@@ -164,8 +172,7 @@ impl Print<'_> {
             may: grid.map(|grid| Bitmap::touching(grid, &may)),
             must,
             beads: Vec::new(),
-            extra_mm: 0.0,
-            extra_at: None,
+            extra: Vec::new(),
             level_mm: 0.0,
             risen_mm: 0.0,
             location,
@@ -196,10 +203,13 @@ impl Print<'_> {
             relief.paint(stroke, *width_mm);
         }
         let (line, number) = layer.location;
-        if let Some([x, y, z]) = layer.extra_at.filter(|_| layer.extra_mm > EXTRA_MM) {
-            self.model.extra_mm += layer.extra_mm;
+        let extra = self.extra(&layer);
+        let extra_mm = length_mm(&extra);
+        if let Some(first) = extra.first().filter(|_| extra_mm > EXTRA_MM) {
+            self.model.extra_mm += extra_mm;
+            let [x, y, z] = first.at(0.5);
             self.found.add(Kind::ExtraMaterial, line, number, || {
-                format!("{:.1} mm of beads, first at X{x:.2} Y{y:.2} Z{z:.2}", layer.extra_mm)
+                format!("{extra_mm:.1} mm of beads, first at X{x:.2} Y{y:.2} Z{z:.2}")
             });
         }
         if layer.index.is_none() || !self.has_edges {
@@ -219,6 +229,14 @@ impl Print<'_> {
                 });
             }
         }
+    }
+
+    /// The beads of a layer that lie outside of all its sections, where these are more than is allowed.
+    fn extra(&self, layer: &LayerNow) -> Vec<Stroke> {
+        let index = layer.index.filter(|_| length_mm(&layer.extra) > EXTRA_MM);
+        let Some(index) = index else { return Vec::new() };
+        let section = EdgeGrid::new(&self.sections.middle(index));
+        layer.extra.iter().filter(|bead| !section.contains(middle(bead))).copied().collect()
     }
 
     /// Share of an outline on which something lies at least so high.

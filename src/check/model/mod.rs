@@ -1,8 +1,8 @@
 //! Compares a print with its model: missing parts, material outside of it, and beads over air.
 //!
 //! The file is read twice more: once to find where on the bed the model stands, once to compare. What must be there is
-//! the part of the sections at the bottom and the top of a layer that both have; what may be there is all that either
-//! has, and a little around it. So it does not matter where within a layer a slicer cuts.
+//! the part of the sections at the bottom and the top of a layer that both have; what may be there is all that either,
+//! or the one in the middle, has, and a little around it. So it does not matter where within a layer a slicer cuts.
 
 mod air;
 mod align;

@@ -1,4 +1,4 @@
-//! Sections of what was printed at the bottom and the top of every layer.
+//! Sections of what was printed at the bottom, in the middle and at the top of every layer.
 
 use super::levels::{Level, Levels};
 use crate::mesh::Mesh;
@@ -7,7 +7,7 @@ use crate::slice::{Cutter, LayerSpan};
 use geometry::{Point, Region, Ring, intersection, offset, union, union_all};
 
 /// A layer is cut at these shares of its height.
-const CUTS: [f64; 2] = [0.1, 0.9];
+const CUTS: [f64; 3] = [0.1, 0.5, 0.9];
 /// No bead is expected where the model is thinner than twice this.
 const HALF_BEAD_MM: f64 = 0.25;
 /// Nor that one layer more is printed for what is thinner than twice this.
@@ -69,25 +69,29 @@ impl<'a> Sections<'a> {
         if self.count == 0 {
             return Region::default();
         }
-        let [low, high] = self.cuts(self.count);
+        let [low, high] = [0, 2].map(|cut| self.cut(self.count, cut));
         offset(&intersection(&low, &high), -HALF_TIP_MM)
     }
 
     /// Middle lines of the outermost beads that a layer must have, and where beads may be.
     pub fn layer(&self, index: usize) -> (Region, Region) {
-        let [low, high] = self.cuts(index);
+        let [low, high] = [0, 2].map(|cut| self.cut(index, cut));
         (offset(&intersection(&low, &high), -HALF_BEAD_MM), offset(&union(&low, &high), AROUND_MM))
     }
 
-    fn cuts(&self, index: usize) -> [Region; 2] {
-        [2 * index, 2 * index + 1].map(|cut| {
-            let parts = self.bodies.iter().flat_map(|(cutter, positions)| {
-                let section = cutter.section(cut).0;
-                positions.iter().map(move |position| section.translated(*position)).collect::<Vec<_>>()
-            });
-            let mut parts: Vec<Region> = parts.collect();
-            if parts.len() == 1 { parts.swap_remove(0) } else { union_all(&parts) }
-        })
+    /// Where beads may be for the sake of the middle of a layer alone: a sheet between two hollows may be nowhere else.
+    pub fn middle(&self, index: usize) -> Region {
+        offset(&self.cut(index, 1), AROUND_MM)
+    }
+
+    /// One of the [`CUTS`] through a layer.
+    fn cut(&self, index: usize, which: usize) -> Region {
+        let parts = self.bodies.iter().flat_map(|(cutter, positions)| {
+            let section = cutter.section(CUTS.len() * index + which).0;
+            positions.iter().map(move |position| section.translated(*position)).collect::<Vec<_>>()
+        });
+        let mut parts: Vec<Region> = parts.collect();
+        if parts.len() == 1 { parts.swap_remove(0) } else { union_all(&parts) }
     }
 }
 

@@ -49,7 +49,7 @@ impl Format for Obj {
                 }
                 b"f" => {
                     corners.clear();
-                    while let Some(word) = words.next_on_line() {
+                    while let Some(word) = words.next_on_joined_lines() {
                         let corner = vertex(word, &vertices).map_err(|problem| syntax(line, problem))?;
                         corners.push(corner);
                     }

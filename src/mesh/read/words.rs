@@ -32,6 +32,26 @@ impl<'a> Words<'a> {
         Some(&rest[..length])
     }
 
+    /// The next word, if it stands on the same line or on one that this one goes on in.
+    ///
+    /// A backslash at the end of a line says that it goes on.
+    pub fn next_on_joined_lines(&mut self) -> Option<&'a [u8]> {
+        let word = self.next_on_line()?;
+        let is_end = self.data.get(self.at).is_none_or(|b| matches!(b, b'\n' | b'\r'));
+        if word != b"\\" || !is_end {
+            return Some(word);
+        }
+        while self.data.get(self.at).is_some_and(|b| matches!(b, b'\n' | b'\r')) {
+            let ends = self.ends_line();
+            self.line += usize::from(ends);
+            self.at += 1;
+            if ends {
+                break;
+            }
+        }
+        self.next_on_joined_lines()
+    }
+
     /// The next word, if it stands on the same line.
     pub fn next_on_line(&mut self) -> Option<&'a [u8]> {
         while self.data.get(self.at).is_some_and(|b| matches!(b, b' ' | b'\t')) {

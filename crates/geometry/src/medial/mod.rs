@@ -57,7 +57,8 @@ pub fn medial_axis(region: &Region, min_mm: f64, max_mm: f64, tip: f64) -> Vec<M
 ///
 /// The lines are cut out of those of the region. So a neck has its line along it, however short it is, where the neck alone
 /// might be wider than long. They end where they leave the area; lines shorter than 0.2 mm reach out of it instead. Where all
-/// this covers less than half of a part, as at flat ends, it gets its own middle lines, if they cover more.
+/// this covers less than half of a part, as at flat ends, it gets its own middle lines, if they cover more. Points may be
+/// outside of the region by a grid unit, as what is looked at around the area is cut out of it.
 pub fn medial_axis_in(
     area: &Region,
     region: &Region,
