@@ -151,10 +151,8 @@ impl Print<'_> {
         let width_mm = bead::width_mm(section_mm2 / height_mm, height_mm).clamp(0.1, 3.0);
         if part {
             self.path.add(stroke, height_mm, width_mm, &self.ground);
-            if let Some(may) = layer.may.as_ref().filter(|_| self.has_roles) {
-                if !may.has_at(middle(stroke)) {
-                    layer.extra.push(*stroke);
-                }
+            if self.has_roles && layer.may.as_ref().is_some_and(|may| !may.has_at(middle(stroke))) {
+                layer.extra.push(*stroke);
             }
         }
         layer.beads.push((*stroke, width_mm, part));
