@@ -1,12 +1,14 @@
 //! G-code where it comes from, as text, binary or in a package: read as text in any case.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read, Seek};
+#[cfg(feature = "cli")]
+use std::io::Read;
+use std::io::{self, BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
 use bgcode::Text;
 
-use super::form::{self, Form};
+use super::form::Form;
 use super::package;
 
 /// Size of the buffer in front of a file.
@@ -49,7 +51,7 @@ pub(crate) fn open_bytes(bytes: &[u8]) -> io::Result<Box<dyn Input + '_>> {
 /// As the system says; or it is damaged.
 #[cfg(feature = "cli")]
 pub(crate) fn open_stream<'a>(mut stream: impl Read + 'a) -> io::Result<Box<dyn Read + 'a>> {
-    let mut begin = form::begin(stream.by_ref())?;
+    let mut begin = super::form::begin(stream.by_ref())?;
     let form = Form::of_bytes(&begin);
     if form == Form::Text {
         return Ok(Box::new(Cursor::new(begin).chain(stream)));
