@@ -41,8 +41,10 @@ impl Form {
     /// The form of what is in a file; text where it cannot be looked into, as a pipe cannot.
     pub(crate) fn of_file(path: &Path) -> Self {
         let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
-        let begin = || File::open(path).and_then(begin);
-        if is_file { begin().map(|begin| Self::of_bytes(&begin)).unwrap_or_default() } else { Self::Text }
+        match is_file.then(|| File::open(path).and_then(begin)) {
+            Some(Ok(bytes)) => Self::of_bytes(&bytes),
+            _ => Self::Text,
+        }
     }
 
     /// The form of what begins with these bytes, as many as [`begin`] reads.

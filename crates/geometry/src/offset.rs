@@ -140,10 +140,10 @@ impl Offset {
     fn together(&mut self, polygons: &[&Polygon], result: &mut Region) {
         let rings = self.prepare(polygons);
         let curves: Vec<Ring> = rings.iter().map(|ring| self.curve(ring)).collect();
-        let (mut region, are_apart) = positive(&curves);
+        let (mut region, are_all) = positive(&curves);
         let count = region.polygons.len();
         region.polygons.retain(|polygon| ring_area(&polygon.outer) > MIN_AREA_MM2);
-        self.is_whole &= are_apart && region.polygons.len() == count;
+        self.is_whole &= are_all && region.polygons.len() == count;
         result.polygons.append(&mut region.polygons);
     }
 
