@@ -31,8 +31,8 @@ fn steps_per_path(effort: Effort, scope: Scope) -> u64 {
     match (effort, scope) {
         (Effort::Fast, Scope::Layer) => 0,
         (Effort::Fast, _) => 50,
-        (Effort::Normal, Scope::Layer) => 1_800,
-        (Effort::Normal, _) => 700,
+        (Effort::Normal, Scope::Layer) => 2_000,
+        (Effort::Normal, _) => 750,
         (Effort::High, Scope::Layer) => 60_000,
         (Effort::High, _) => 20_000,
     }

@@ -26,6 +26,9 @@ const SHIFT: u32 = 4;
 /// Paths that are kicked before the next this many are.
 const WINDOW: u32 = 2000;
 
+/// Kicks end early when one step in this many, one after the other, found nothing better.
+const PATIENCE: u64 = 4;
+
 /// Steps between two looks of who watches, some milliseconds.
 const LOOK: u64 = 100_000;
 
@@ -135,18 +138,23 @@ impl<'a> Search<'a> {
         self.reach = u32::MAX;
     }
 
-    /// Kicks at the positions `from` to `to` − 1, each time at the dearer gap of two.
+    /// Kicks at the positions `from` to `to` − 1, each time at the dearer gap of two, until `budget` steps are done or a part of
+    /// them found nothing.
     fn iterate_within(&mut self, from: u32, to: u32, random: &mut Random, budget: u64) {
         let end = self.walk.work + budget;
-        while self.walk.work < end {
+        let patience = budget / PATIENCE;
+        let mut patient_until = self.walk.work + patience;
+        while self.walk.work < end.min(patient_until) {
             let [at, other] = [0; 2].map(|_| from + random.below(to - from));
             let dearer = if self.walk.gap(other) > self.walk.gap(at) { other } else { at };
-            self.kick_and_repair(dearer, random);
+            if self.kick_and_repair(dearer, random) {
+                patient_until = self.walk.work + patience;
+            }
         }
     }
 
-    /// Kicks the walk at a position, repairs it, and keeps what is not worse.
-    pub(super) fn kick_and_repair(&mut self, at: u32, random: &mut Random) {
+    /// Kicks the walk at a position, repairs it, and keeps what is not worse; tells whether it is better.
+    pub(super) fn kick_and_repair(&mut self, at: u32, random: &mut Random) -> bool {
         self.walk.work += 8;
         self.kick(at, random);
         let group = self.walk.group_at(at);
@@ -156,11 +164,13 @@ impl<'a> Search<'a> {
             self.kick(stage.start + random.below(stage.end - stage.start), random);
         }
         self.repair();
+        let better = !self.walk.is_worse() && !self.walk.is_as_before();
         if self.walk.is_worse() {
             self.walk.undo();
         } else {
             self.walk.commit();
         }
+        better
     }
 
     /// Whether neighbouring loops are entered again together, which is expensive.
