@@ -8,7 +8,7 @@ use crate::slice::{self, Layer, LayerSpan};
 use crate::toolpath::Path;
 use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab};
 use crate::toolpath::{SupportSettings, SupportStyle};
-use geometry::{Bounds, Polygon, Region, offset, simplify, union_all};
+use geometry::{Bounds, Polygon, Region, offset, union_all};
 
 use super::wishes::Wishes;
 use crate::parallel::Workers;
@@ -43,7 +43,7 @@ impl Supports {
         workers: Workers<'_>,
     ) -> Self {
         let (count, support) = (layers.len(), &settings.support);
-        let Unsupported { grid, rough, solid, held, heights_mm, height_mm } =
+        let Unsupported { grid, slabs, held, heights_mm, height_mm } =
             Unsupported::find(layers, bounds, wishes, settings, support, workers);
         let spec = ColumnSpec {
             gap_layers: (0..count).map(|i| gap_layers(&heights_mm[..i], support.z_gap.0)).collect(),
@@ -53,14 +53,15 @@ impl Supports {
             height_mm,
         };
         let stands_on = spec.gap_layers.iter().map(|gap| gap + 1).collect();
+        let solid = workers.map(count, |i| slabs[i].solid());
         if support.style == SupportStyle::Tree {
             let discs = support::grow(&held, &solid, &spec, support);
             let outlines = workers.map(count, |i| {
                 if discs[i].is_empty() {
                     return Outlines::default();
                 }
-                let near = &rough[i.saturating_sub(spec.gap_layers[i])..=i];
-                let kept_free = offset(&union_all(near), support.xy_gap.0);
+                let near = &slabs[i.saturating_sub(spec.gap_layers[i])..=i];
+                let kept_free = offset(&union_all(near.iter().map(Slab::rough)), support.xy_gap.0);
                 let (all, interface) = support::outline(&discs[i], &kept_free);
                 Outlines { all, interface }
             });
@@ -136,12 +137,9 @@ impl Supports {
 }
 
 /// The unsupported areas of the parts on the plate.
-struct Unsupported {
+struct Unsupported<'a> {
     grid: Grid,
-    /// Each layer's section, simplified.
-    rough: Vec<Region>,
-    /// The same as cells.
-    solid: Vec<Bitmap>,
+    slabs: Vec<Slab<'a>>,
     /// The areas that need support.
     held: Vec<Bitmap>,
     heights_mm: Vec<f64>,
@@ -149,9 +147,9 @@ struct Unsupported {
     height_mm: f64,
 }
 
-impl Unsupported {
+impl<'a> Unsupported<'a> {
     fn find(
-        layers: &[Layer],
+        layers: &'a [Layer],
         bounds: Bounds,
         wishes: &Wishes,
         settings: &Settings,
@@ -160,21 +158,22 @@ impl Unsupported {
     ) -> Self {
         let count = layers.len();
         let grid = Grid::new(bounds, REACH_MM, support::CELL_MM);
-        let sections: Vec<Cow<'_, Region>> = workers.map(count, |i| match layers[i].sections.as_slice() {
-            [only] => Cow::Borrowed(&only.region),
-            _ => Cow::Owned(section(&layers[i])),
+        let slabs = workers.map(count, |i| {
+            let section = match layers[i].sections.as_slice() {
+                [only] => Cow::Borrowed(&only.region),
+                _ => Cow::Owned(section(&layers[i])),
+            };
+            Slab::new(grid, section)
         });
-        let solid = workers.map(count, |i| Bitmap::of(grid, &sections[i]));
-        let rough = workers.map(count, |i| simplify(&sections[i], support::ROUGH_MM));
-        let slab = |i: usize| Slab { section: &sections[i], rough: &rough[i], solid: &solid[i] };
         let enforced = wishes.any();
         // What lies on the bed hangs nowhere, nor does what lies on its like.
         let found: Vec<Overhang> = workers.map(count, |i| {
-            if !enforced && sections[i] == sections[i.saturating_sub(1)] {
+            let (slab, below) = (&slabs[i], &slabs[i.saturating_sub(1)]);
+            if !enforced && slab.section() == below.section() {
                 return Overhang { leaning: Bitmap::empty(grid), must: Bitmap::empty(grid) };
             }
             let height_mm = layers[i].span.height_mm;
-            support::find(slab(i), slab(i.saturating_sub(1)), height_mm, wishes.of(i), support)
+            support::find(slab, below, height_mm, wishes.of(i), support)
         });
         let spans: Vec<LayerSpan> = layers.iter().map(|layer| layer.span).collect();
         let heights_mm = slice::heights_mm(&spans, &settings.layer);
@@ -184,7 +183,7 @@ impl Unsupported {
             let around = &found[i.saturating_sub(window)..(i + window + 1).min(count)];
             support::lasting(&found[i], around.iter(), support)
         });
-        Self { grid, rough, solid, held, heights_mm, height_mm }
+        Self { grid, slabs, held, heights_mm, height_mm }
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use super::options::ShellSettings;
 use super::shell_depth::{above, below};
-use super::support::{Bitmap, Grid};
+use super::support::{Grid, Within};
 use geometry::{Bounds, Region};
 
 /// Calls a function for 0, 1, … n − 1, possibly in parallel, and returns the results in order.
@@ -89,7 +89,7 @@ pub struct Shells {
     like: Vec<usize>,
     /// The cells within each section; none of nothing.
     grid: Option<Grid>,
-    within: Vec<OnceLock<Bitmap>>,
+    within: Vec<OnceLock<Within>>,
 }
 
 impl Shells {
@@ -170,9 +170,9 @@ impl Shells {
         let (Some(grid), Some(bounds)) = (self.grid, region.bounds()) else { return false };
         let mut layers = self.like[range].to_vec();
         layers.dedup();
-        let within = |&i: &usize| self.within[i].get_or_init(|| Bitmap::within(grid, &self.sections[i]));
-        let maps: Vec<&Bitmap> = layers.iter().map(within).collect();
-        if !Bitmap::all_hold_boundary(grid, &maps, region) {
+        let within = |&i: &usize| self.within[i].get_or_init(|| Within::of(grid, &self.sections[i]));
+        let sets: Vec<&Within> = layers.iter().map(within).collect();
+        if !Within::all_hold_boundary(grid, &sets, region) {
             return false;
         }
         // Outlines that do not cross its boundary may be holes inside of it.

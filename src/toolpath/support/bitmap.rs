@@ -59,6 +59,21 @@ impl Grid {
         inside.then_some([x as usize, y as usize])
     }
 
+    /// The part that a box and one more cell around it touch, its columns beginning with a word; and its first word and row.
+    pub(super) fn part(&self, bounds: Bounds) -> ([usize; 2], Self) {
+        let along = |v: i32, from: i32| (i64::from(v) - i64::from(from)).div_euclid(i64::from(self.cell));
+        let span = |min: i32, max: i32, from: i32, count: usize| {
+            let at = |cell: i64| cell.clamp(0, count as i64) as usize;
+            at(along(min, from) - 1)..at(along(max, from) + 2)
+        };
+        let mut x = span(bounds.min.x, bounds.max.x, self.origin.x, self.columns);
+        x.start -= x.start % WORD;
+        let y = span(bounds.min.y, bounds.max.y, self.origin.y, self.rows);
+        let moved = |from: i32, cells: usize| from + cells as i32 * self.cell;
+        let origin = Point::new(moved(self.origin.x, x.start), moved(self.origin.y, y.start));
+        ([x.start / WORD, y.start], Self { origin, columns: x.len(), rows: y.len(), ..*self })
+    }
+
     /// The middle of a cell, in millimetres.
     pub fn middle_mm(&self, [x, y]: [usize; 2]) -> [f64; 2] {
         let [x0, y0] = self.origin.mm();
@@ -87,14 +102,7 @@ impl Grid {
         to: usize,
     ) -> impl Iterator<Item = (usize, u64)> + use<> {
         let base = row * self.stride();
-        let mut x = from;
-        std::iter::from_fn(move || {
-            let end = to.min((x / WORD + 1) * WORD);
-            let count = end.checked_sub(x).filter(|&count| count > 0)?;
-            let (word, bits) = (base + x / WORD, u64::MAX >> (WORD - count) << (x % WORD));
-            x = end;
-            Some((word, bits))
-        })
+        words_of(from, to).map(move |(word, bits)| (base + word, bits))
     }
 
     pub(super) fn stride(&self) -> usize {
@@ -102,18 +110,49 @@ impl Grid {
     }
 }
 
+/// The words of a row that hold a run of columns, and its bits in each.
+#[inline]
+pub(super) fn words_of(from: usize, to: usize) -> impl Iterator<Item = (usize, u64)> {
+    let mut x = from;
+    std::iter::from_fn(move || {
+        let end = to.min((x / WORD + 1) * WORD);
+        let count = end.checked_sub(x).filter(|&count| count > 0)?;
+        let (word, bits) = (x / WORD, u64::MAX >> (WORD - count) << (x % WORD));
+        x = end;
+        Some((word, bits))
+    })
+}
+
 /// A set of cells.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Bitmap {
     grid: Grid,
-    /// Row by row, each from a new word on; bits beyond the last column are 0.
-    pub(super) words: Vec<u64>,
+    /// Row by row, each from a new word on; bits beyond the last column are 0. None at all as long as there is no cell.
+    words: Vec<u64>,
+}
+
+impl PartialEq for Bitmap {
+    fn eq(&self, other: &Self) -> bool {
+        self.grid == other.grid && (self.words == other.words || self.is_empty() && other.is_empty())
+    }
 }
 
 impl Bitmap {
     /// No cell.
     pub fn empty(grid: Grid) -> Self {
-        Self { grid, words: vec![0; grid.stride() * grid.rows] }
+        Self { grid, words: Vec::new() }
+    }
+
+    /// Its words, all of them.
+    pub(super) fn words_mut(&mut self) -> &mut [u64] {
+        self.words.resize(self.grid.stride() * self.grid.rows, 0);
+        &mut self.words
+    }
+
+    /// Whether all of some bits of a word are set.
+    #[inline]
+    pub(super) fn holds(&self, word: usize, bits: u64) -> bool {
+        self.words.get(word).is_some_and(|word| word & bits == bits)
     }
 
     /// The cells whose middles lie in a region.
@@ -166,7 +205,7 @@ impl Bitmap {
     /// Whether a cell is in it; cells outside the grid are not.
     pub fn has(&self, [x, y]: [usize; 2]) -> bool {
         let inside = x < self.grid.columns && y < self.grid.rows;
-        inside && self.words[y * self.grid.stride() + x / WORD] >> (x % WORD) & 1 == 1
+        inside && self.holds(y * self.grid.stride() + x / WORD, 1 << (x % WORD))
     }
 
     /// Whether the cell at a position is in it.
@@ -177,13 +216,16 @@ impl Bitmap {
     /// Adds a cell of the grid.
     pub fn set(&mut self, [x, y]: [usize; 2]) {
         if x < self.grid.columns && y < self.grid.rows {
-            self.words[y * self.grid.stride() + x / WORD] |= 1 << (x % WORD);
+            let word = y * self.grid.stride() + x / WORD;
+            self.words_mut()[word] |= 1 << (x % WORD);
         }
     }
 
     /// Adds a run of columns of one row.
     pub fn set_run(&mut self, row: usize, from: usize, to: usize) {
-        self.grid.run(row, from, to).for_each(|(word, bits)| self.words[word] |= bits);
+        let run = self.grid.run(row, from, to);
+        let words = self.words_mut();
+        run.for_each(|(word, bits)| words[word] |= bits);
     }
 
     /// Its cells, row by row.
@@ -198,6 +240,9 @@ impl Bitmap {
 
     /// Adds the cells of another set of the same grid.
     pub fn add(&mut self, other: &Self) {
+        if self.words.is_empty() && !other.is_empty() {
+            self.words.clone_from(&other.words);
+        }
         self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a |= b);
     }
 
@@ -208,6 +253,9 @@ impl Bitmap {
 
     /// Keeps what another set of the same grid has too.
     pub fn keep(&mut self, other: &Self) {
+        if other.words.is_empty() {
+            self.words.clear();
+        }
         self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a &= b);
     }
 
@@ -264,7 +312,8 @@ impl Bitmap {
 
     /// The cells that it does not have.
     fn inverted(&self) -> Self {
-        let mut map = Self { grid: self.grid, words: self.words.iter().map(|w| !w).collect() };
+        let mut map = self.clone();
+        map.words_mut().iter_mut().for_each(|word| *word = !*word);
         map.mask();
         map
     }

@@ -50,7 +50,7 @@ pub struct ColumnSpec {
 /// Top down, each layer has what the one above it has, and the pads under what is held over it, less the part. What
 /// ends on the part rests there. Last, bottom up, whatever rests on nothing is taken out, but for what a column beside
 /// it can lean out to: a flank too steep to stand on cuts columns off at its foot. O(layers · cells).
-pub fn stand(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Cells> {
+pub fn stand(held: &[Bitmap], solid: &[&Bitmap], spec: &ColumnSpec) -> Vec<Cells> {
     let Some(first) = solid.first() else { return Vec::new() };
     let grid = first.grid();
     let pads = pads(held, solid, spec);
@@ -89,7 +89,7 @@ pub fn stand(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Cells>
 }
 
 /// For each layer, where support ends under what is held above it.
-pub(super) fn pads(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<Bitmap> {
+pub(super) fn pads(held: &[Bitmap], solid: &[&Bitmap], spec: &ColumnSpec) -> Vec<Bitmap> {
     let mut pads: Vec<Bitmap> = solid.iter().map(|solid| Bitmap::empty(solid.grid())).collect();
     for (layer, held) in held.iter().enumerate().filter(|(_, held)| !held.is_empty()) {
         if let Some(top) = layer.checked_sub(1 + spec.gap_layers[layer]) {
@@ -100,14 +100,14 @@ pub(super) fn pads(held: &[Bitmap], solid: &[Bitmap], spec: &ColumnSpec) -> Vec<
 }
 
 /// The cells too near to the part.
-pub(super) fn kept_free(solid: &[Bitmap], layer: usize, spec: &ColumnSpec) -> Bitmap {
+pub(super) fn kept_free(solid: &[&Bitmap], layer: usize, spec: &ColumnSpec) -> Bitmap {
     let mut free = solid[layer].grown(spec.gap_cells);
     (1..=spec.gap_layers[layer].min(layer)).for_each(|down| free.add(&solid[layer - down]));
     free
 }
 
 /// Takes out what stands neither on the bed nor on support nor, where that is allowed, on the part.
-fn rest(all: &mut [Bitmap], solid: &[Bitmap], spec: &ColumnSpec) {
+fn rest(all: &mut [Bitmap], solid: &[&Bitmap], spec: &ColumnSpec) {
     // What may not stand on the part does not hang over it either.
     let leans = !spec.from_bed_only;
     let lean_every = ((LEAN_EVERY_MM / spec.height_mm) as usize).max(1);

@@ -22,6 +22,7 @@ pub use overhang::{Overhang, ROUGH_MM, Slab, SupportModifiers, find, lasting, wi
 pub use rest::Ground;
 pub use trace::trace;
 pub use tree::{Disc, grow, outline};
+pub(crate) use within::Within;
 
 /// Side of a cell: a bead's width.
 pub const CELL_MM: f64 = 0.4;

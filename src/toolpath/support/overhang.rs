@@ -1,5 +1,8 @@
 //! What of a layer hangs in the air.
 
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
 use super::bitmap::{Bitmap, Grid};
 use super::bridge;
 use crate::toolpath::options::SupportSettings;
@@ -21,15 +24,35 @@ pub struct Overhang {
     pub must: Bitmap,
 }
 
-/// One layer of the plate with its cells.
-#[derive(Clone, Copy, Debug)]
+/// One layer of the plate. Its outline simplified, and its cells, are found when they are first asked for.
+#[derive(Debug)]
 pub struct Slab<'a> {
+    grid: Grid,
+    section: Cow<'a, Region>,
+    rough: OnceLock<Region>,
+    solid: OnceLock<Bitmap>,
+}
+
+impl<'a> Slab<'a> {
+    /// A layer of everything solid.
+    pub fn new(grid: Grid, section: Cow<'a, Region>) -> Self {
+        Self { grid, section, rough: OnceLock::new(), solid: OnceLock::new() }
+    }
+
     /// Everything solid.
-    pub section: &'a Region,
+    pub fn section(&self) -> &Region {
+        &self.section
+    }
+
     /// The same, simplified to [`ROUGH_MM`].
-    pub rough: &'a Region,
+    pub fn rough(&self) -> &Region {
+        self.rough.get_or_init(|| geometry::simplify(&self.section, ROUGH_MM))
+    }
+
     /// The same as cells.
-    pub solid: &'a Bitmap,
+    pub fn solid(&self) -> &Bitmap {
+        self.solid.get_or_init(|| Bitmap::of(self.grid, &self.section))
+    }
 }
 
 /// Support modifiers at the height of one layer: where the user enforces or blocks support.
@@ -44,28 +67,32 @@ pub struct SupportModifiers<'a> {
 /// Finds the part of a layer `height_mm` high that overhangs the one below by more than `support.angle`, without
 /// bridges. Unless support is enabled, nothing is held but what is enforced.
 pub fn find(
-    layer: Slab<'_>,
-    below: Slab<'_>,
+    layer: &Slab<'_>,
+    below: &Slab<'_>,
     height_mm: f64,
     modifiers: SupportModifiers<'_>,
     settings: &SupportSettings,
 ) -> Overhang {
-    let grid = layer.solid.grid();
+    let grid = layer.grid;
     let lean_mm = height_mm * real::tan(settings.angle.to_radians());
-    let mut beyond = if settings.enabled { beyond(layer.section, below, lean_mm) } else { Region::default() };
+    let mut beyond =
+        if settings.enabled { beyond(layer.section(), below, lean_mm) } else { Region::default() };
     beyond.retain(|polygon| polygon.area_mm2() >= CRUMB_MM2);
     // What nothing touches comes out of the difference as it was.
     let (islands, edges): (Vec<_>, Vec<_>) =
-        beyond.into_polygons().into_iter().partition(|polygon| layer.section.polygons().contains(polygon));
+        beyond.into_polygons().into_iter().partition(|polygon| layer.section().polygons().contains(polygon));
 
-    let mut air = layer.solid.clone();
-    air.remove(below.solid);
     let mut leaning = Bitmap::empty(grid);
+    let mut air = Bitmap::empty(grid);
+    if !(edges.is_empty() && modifiers.enforced.is_empty()) {
+        air.add(layer.solid());
+        air.remove(below.solid());
+    }
     for polygon in edges {
         let whole = geometry::offset(&Region::from(polygon), lean_mm + ROUGH_MM);
         let mut cells = Bitmap::of(grid, &whole);
         cells.keep(&air);
-        cells.remove(&bridge::spanned(&whole, below.solid, settings.max_bridge.0));
+        cells.remove(&bridge::spanned(&whole, below.solid(), settings.max_bridge.0));
         leaning.add(&cells);
     }
     let mut must = Bitmap::touching(grid, &Region::disjoint(islands));
@@ -82,15 +109,15 @@ pub fn find(
 }
 
 /// What reaches farther beyond the layer below than `lean_mm`.
-fn beyond(section: &Region, below: Slab<'_>, lean_mm: f64) -> Region {
+fn beyond(section: &Region, below: &Slab<'_>, lean_mm: f64) -> Region {
     // Islands that repeat reach nowhere.
-    let is_new = |polygon: &&Polygon| !below.section.polygons().contains(polygon);
+    let is_new = |polygon: &&Polygon| !below.section().polygons().contains(polygon);
     let new = Region::disjoint(section.polygons().iter().filter(is_new).cloned());
     let reach = geometry::to_units(lean_mm) + 1;
     let bounds = |polygon: &Polygon| Bounds::of(polygon.outer.iter().copied()).unwrap_or_default();
     let boxes: Vec<Bounds> = new.polygons().iter().map(|polygon| bounds(polygon).grown(reach)).collect();
     let is_near = |polygon: &&Polygon| boxes.iter().any(|near| near.touches(&bounds(polygon)));
-    let near = Region::disjoint(below.rough.polygons().iter().filter(is_near).cloned());
+    let near = Region::disjoint(below.rough().polygons().iter().filter(is_near).cloned());
     geometry::difference(&new, &geometry::offset(&near, lean_mm))
 }
 

@@ -72,7 +72,7 @@ struct Branch {
 /// Grows branches under `held`, top down. `solid` are the part's cells. Returns the discs of each layer.
 pub fn grow(
     held: &[Bitmap],
-    solid: &[Bitmap],
+    solid: &[&Bitmap],
     spec: &ColumnSpec,
     settings: &SupportSettings,
 ) -> Vec<Vec<Disc>> {
@@ -143,7 +143,7 @@ pub fn grow(
 }
 
 /// For each layer, where a branch would touch the part, or could not but do so further down.
-fn avoidance(solid: &[Bitmap], spec: &ColumnSpec, settings: &SupportSettings, lean_mm: f64) -> Vec<Bitmap> {
+fn avoidance(solid: &[&Bitmap], spec: &ColumnSpec, settings: &SupportSettings, lean_mm: f64) -> Vec<Bitmap> {
     let Some(first) = solid.first() else { return Vec::new() };
     let grid = first.grid();
     let clear = grid.cells(settings.branch_diameter.0 / 2.0) + spec.gap_cells;
@@ -351,7 +351,7 @@ mod tests {
             from_bed_only,
             height_mm: HEIGHT_MM,
         };
-        grow(&held, solid, &spec, &SupportSettings::default())
+        grow(&held, &solid.iter().collect::<Vec<_>>(), &spec, &SupportSettings::default())
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use geometry::{Point, Region};
 
-use super::bitmap::{Bitmap, Grid, WORD};
+use super::bitmap::{Bitmap, Grid, WORD, words_of};
 
 /// Cells so near to a boundary are no longer surely inside: 1 µm, in grid units.
 const SLACK: i64 = 100;
@@ -60,12 +60,22 @@ impl Grid {
     }
 }
 
-impl Bitmap {
-    /// The cells that surely lie in a region as a whole; none of a region that leaves the grid.
-    pub(crate) fn within(grid: Grid, region: &Region) -> Self {
-        let mut map = Self::empty(grid);
-        edges(region).for_each(|[a, b]| grid.mark_passed(a, b, &mut map.words));
-        for row in map.words.chunks_exact_mut(grid.stride()) {
+/// The cells of a grid that surely lie in a region as a whole; none of a region that leaves the grid.
+#[derive(Clone, Debug)]
+pub(crate) struct Within {
+    /// First word and row of those that are kept.
+    first: [usize; 2],
+    cells: Bitmap,
+}
+
+impl Within {
+    /// Those in a region.
+    pub fn of(grid: Grid, region: &Region) -> Self {
+        let (first, grid) = grid.part(region.bounds().unwrap_or_default());
+        let mut cells = Bitmap::empty(grid);
+        let words = cells.words_mut();
+        edges(region).for_each(|[a, b]| grid.mark_passed(a, b, words));
+        for row in words.chunks_exact_mut(grid.stride().max(1)) {
             let mut inside = 0;
             for word in row {
                 // Each bit becomes the parity of those up to it.
@@ -77,21 +87,31 @@ impl Bitmap {
                 inside = (*word >> (WORD - 1)).wrapping_neg();
             }
         }
-        map.mask();
-        let Self { words, .. } = &mut map;
+        cells.mask();
+        let words = cells.words_mut();
         let mut clear = |row: usize, from: usize, to: usize| {
             grid.run(row, from, to).for_each(|(word, bits)| words[word] &= !bits);
             true
         };
-        if edges(region).all(|[a, b]| grid.holds_along(a, b, &mut clear)) { map } else { Self::empty(grid) }
+        let is_whole = edges(region).all(|[a, b]| grid.holds_along(a, b, &mut clear));
+        Self { first, cells: if is_whole { cells } else { Bitmap::empty(grid) } }
     }
 
-    /// Whether the boundary of a region surely passes only cells that are in all of some sets of this grid.
-    pub(crate) fn all_hold_boundary(grid: Grid, maps: &[&Self], region: &Region) -> bool {
+    /// Whether the boundary of a region surely passes only cells that are in all of some sets of one grid.
+    pub fn all_hold_boundary(grid: Grid, sets: &[&Self], region: &Region) -> bool {
         let holds = |row: usize, from: usize, to: usize| {
-            grid.run(row, from, to).all(|(word, bits)| maps.iter().all(|map| map.words[word] & bits == bits))
+            words_of(from, to).all(|(word, bits)| sets.iter().all(|set| set.holds(row, word, bits)))
         };
         edges(region).all(|[a, b]| grid.holds_along(a, b, holds))
+    }
+
+    /// Whether all of some bits of a word of the grid's are in it.
+    #[inline]
+    fn holds(&self, row: usize, word: usize, bits: u64) -> bool {
+        let [first_word, first_row] = self.first;
+        let stride = self.cells.grid().stride();
+        let (row, word) = (row.wrapping_sub(first_row), word.wrapping_sub(first_word));
+        word < stride && row < self.cells.grid().rows && self.cells.holds(row * stride + word, bits)
     }
 }
 
@@ -124,27 +144,28 @@ mod tests {
     #[test]
     fn cells_within_are_those_whose_corners_all_are_and_that_no_edge_passes() {
         let (grid, region) = (Grid::new(frame().bounds().unwrap(), 1.0, 0.4), frame());
-        let within = Bitmap::within(grid, &region);
+        let within = Within::of(grid, &region);
         let [columns, rows] = grid.size();
         let corner = |x: usize, y: usize| grid.half_corner([2 * x as i64, 2 * y as i64]);
         let mut count = 0;
         for (x, y) in (0..columns).flat_map(|x| (0..rows).map(move |y| (x, y))) {
             let corners = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
             let whole = corners.iter().all(|&p| region.contains(p));
-            assert!(!within.has([x, y]) || whole, "{x} {y}");
-            count += usize::from(whole && !within.has([x, y]));
+            let is_within = within.holds(y, x / WORD, 1 << (x % WORD));
+            assert!(!is_within || whole, "{x} {y}");
+            count += usize::from(whole && !is_within);
         }
         // An edge passes between the corners of a cell at a corner of the hole, or so near to one that it may.
         assert!(count < 20, "{count} are missing");
-        assert!(within.cells().count() > 4000);
+        assert!(within.cells.cells().count() > 4000);
     }
 
     #[test]
     fn a_boundary_is_held_where_it_keeps_a_cell_away() {
         let grid = Grid::new(Bounds { min: Point::default(), max: Point::from_mm(40.0, 40.0) }, 1.0, 0.2);
-        let within = Bitmap::within(grid, &frame());
+        let within = Within::of(grid, &frame());
         let holds =
-            |by_mm: f64| Bitmap::all_hold_boundary(grid, &[&within], &geometry::offset(&frame(), by_mm));
+            |by_mm: f64| Within::all_hold_boundary(grid, &[&within], &geometry::offset(&frame(), by_mm));
         assert_eq!([-1.0, -0.6, -0.01, 0.0, 0.5].map(holds), [true, true, false, false, false]);
     }
 }
