@@ -4,14 +4,12 @@
 //! `cargo bench -p pathwright-benches --bench instructions --profile quick` compares; with `-- --bless` behind it the counts become
 //! the baseline. Counts depend on compiler and profile, so they are compared only with what the same ones made. Valgrind counts.
 
+mod counted;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use pathwright::Observer;
-use pathwright::job::{Engine, Job};
-use pathwright::output::Output;
-use pathwright::pipeline::Pipeline;
-use pathwright::profile;
+use counted::{count, slice_if_asked};
 
 /// The program's allocator.
 #[global_allocator]
@@ -33,9 +31,6 @@ const SHARED: [&str; 6] = [
 /// More than this share over the baseline is too much.
 const SLACK: f64 = 0.03;
 
-/// The word that asks this program to slice a model instead.
-const SLICE: &str = "--slice";
-
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
@@ -49,38 +44,8 @@ fn maker() -> String {
     format!("{} {}", version.trim(), profile.unwrap_or_default())
 }
 
-fn slice(model: &Path, output: &Path) {
-    let settings = profile::resolve(&["standard-job".into()], &[]).expect("an embedded profile").settings;
-    let job = Job { models: vec![model.into()], ..Job::default() };
-    let mut output = Output::create(output).expect("a file");
-    Pipeline.slice(&job, &settings, &mut output, &Observer::none()).expect("a print");
-    output.commit().expect("written");
-}
-
-/// Millions of instructions of slicing a model; `None` without Valgrind.
-fn count(model: &Path, folder: &Path) -> Option<f64> {
-    let counts = folder.join("counts");
-    let status = Command::new("valgrind")
-        .args(["--tool=callgrind", "--quiet"])
-        .arg(format!("--callgrind-out-file={}", counts.display()))
-        .arg(std::env::current_exe().expect("this program"))
-        .args([SLICE.as_ref(), model.as_os_str(), folder.join("part.gcode").as_os_str()])
-        .status();
-    if !status.ok()?.success() {
-        return None;
-    }
-    let text = std::fs::read_to_string(counts).ok()?;
-    let total =
-        text.lines().find_map(|line| line.strip_prefix("summary:").or(line.strip_prefix("totals:")))?;
-    total.trim().parse::<f64>().ok().map(|total| total / 1e6)
-}
-
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if let [word, model, output, ..] = arguments.as_slice()
-        && word == SLICE
-    {
-        slice(Path::new(model), Path::new(output));
+    if slice_if_asked() {
         return ExitCode::SUCCESS;
     }
     let baseline = root().join("benches/instructions.tsv");
@@ -112,7 +77,7 @@ fn main() -> ExitCode {
         worse += usize::from(change.is_some_and(|change| change > SLACK));
         lines.push(format!("{name}\t{count:.1}"));
     }
-    if arguments.iter().any(|word| word == "--bless") {
+    if std::env::args().any(|word| word == "--bless") {
         std::fs::write(&baseline, lines.join("\n") + "\n").expect("the baseline is written");
     } else if !comparable {
         println!(

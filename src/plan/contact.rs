@@ -1,27 +1,37 @@
 //! Contact between layers.
 
 use geometry::real;
-use geometry::{Bounds, Point, Polygon, Region};
+use geometry::{Boxes, Point, Polygon, Region};
 
 /// Whether two regions have an area in common.
 pub(crate) fn meets(a: &Region, b: &Region) -> bool {
-    a.polygons().iter().any(|polygon| lies_on(polygon, b))
+    let under = Under::new(b);
+    a.polygons().iter().any(|polygon| under.carries(polygon))
 }
 
-/// Whether a polygon has an area in common with a region. Mostly a corner of one is inside the other.
-pub(crate) fn lies_on(polygon: &Polygon, under: &Region) -> bool {
-    let Some(bounds) = Bounds::of(polygon.outer.iter().copied()) else { return false };
-    let near: Vec<&Polygon> = under
-        .polygons()
-        .iter()
-        .filter(|other| Bounds::of(other.outer.iter().copied()).is_some_and(|b| b.touches(&bounds)))
-        .collect();
-    let shares = |a: &Polygon, b: &Polygon| corners(a).any(|p| b.contains(p) && a.contains(p));
-    near.iter().any(|other| polygon.outer == other.outer || shares(polygon, other) || shares(other, polygon))
-        || near.iter().any(|other| {
-            let [a, b] = [polygon, other].map(|p| Region::from((*p).clone()));
-            !geometry::intersection(&a, &b).is_empty()
-        })
+/// What polygons may lie on.
+pub(crate) struct Under<'a> {
+    polygons: &'a [Polygon],
+    boxes: Boxes,
+}
+
+impl<'a> Under<'a> {
+    pub fn new(region: &'a Region) -> Self {
+        Self { polygons: region.polygons(), boxes: Boxes::of(region) }
+    }
+
+    /// Whether a polygon has an area in common with it. Mostly a corner of one is inside the other.
+    pub fn carries(&self, polygon: &Polygon) -> bool {
+        let near = self.boxes.touching(&polygon.bounds());
+        let near: Vec<&Polygon> = near.into_iter().map(|i| &self.polygons[i]).collect();
+        let shares = |a: &Polygon, b: &Polygon| corners(a).any(|p| b.contains(p) && a.contains(p));
+        let is_alike = |other: &Polygon| polygon.outer == other.outer;
+        near.iter().any(|other| is_alike(other) || shares(polygon, other) || shares(other, polygon))
+            || near.iter().any(|other| {
+                let [a, b] = [polygon, other].map(|p| Region::from((*p).clone()));
+                !geometry::intersection(&a, &b).is_empty()
+            })
+    }
 }
 
 /// How far within a polygon its corners are tried, millimetres.

@@ -16,7 +16,7 @@ use crate::toolpath::infill::FillPattern;
 use crate::toolpath::{self, ObjectLayer, PlateLayer, Share, ShellWindows, Shells, ToolId};
 use geometry::{Bounds, Point, Polygon, Region};
 
-use super::contact;
+use super::contact::Under;
 use super::infill;
 use super::modifiers;
 use super::overlaps::{self, Resolved};
@@ -196,12 +196,11 @@ impl Sections {
                 || !geometry::offset(&Region::from(polygon.clone()), -thin_mm / 2.0).is_empty()
         };
         let beneath = supports::section(&self.layers[index - 1]);
+        let under: Vec<Under<'_>> =
+            std::iter::once(&beneath).chain(self.supports_under(index)).map(Under::new).collect();
         let islands = self.layers[index].sections.iter().flat_map(|section| section.region.polygons());
-        let begun = islands.filter(|island| {
-            !contact::lies_on(island, &beneath)
-                && !self.supports_under(index).any(|under| contact::lies_on(island, under))
-                && holds_line(island)
-        });
+        let begun =
+            islands.filter(|island| !under.iter().any(|under| under.carries(island)) && holds_line(island));
         begun.map(Polygon::area_mm2).collect()
     }
 

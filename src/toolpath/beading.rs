@@ -147,11 +147,7 @@ pub(super) fn dot(island: &Polygon, least_mm: f64) -> Option<(Ring, f64)> {
     let mut deepest = bounds;
     while to_mm - from_mm > DEPTH_MM {
         let radius_mm = (from_mm + to_mm) / 2.0;
-        match geometry::offset(&island, -radius_mm)
-            .polygons()
-            .first()
-            .and_then(|core| Bounds::of(core.outer.iter().copied()))
-        {
+        match geometry::offset(&island, -radius_mm).polygons().first().map(Polygon::bounds) {
             Some(core) => (from_mm, deepest) = (radius_mm, core),
             None => to_mm = radius_mm,
         }

@@ -4,7 +4,7 @@
 use std::cell::{LazyCell, OnceCell};
 
 use geometry::real;
-use geometry::{EdgeGrid, Point, Polygon, Region};
+use geometry::{Boxes, EdgeGrid, Point, Polygon, Region};
 
 use super::Path;
 use super::path::{Role, Width};
@@ -54,11 +54,17 @@ pub(super) struct Beneath<'a> {
     pub region: &'a Region,
     /// The same, for looking up samples.
     grid: OnceCell<EdgeGrid>,
+    boxes: OnceCell<Boxes>,
 }
 
 impl<'a> Beneath<'a> {
     pub fn new(region: &'a Region) -> Self {
-        Self { region, grid: OnceCell::new() }
+        Self { region, grid: OnceCell::new(), boxes: OnceCell::new() }
+    }
+
+    /// Whether it has exactly this polygon.
+    pub fn has(&self, polygon: &Polygon) -> bool {
+        self.boxes.get_or_init(|| Boxes::of(self.region)).find(self.region, polygon)
     }
 
     /// Whether there is something right under a point.

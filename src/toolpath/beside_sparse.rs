@@ -25,12 +25,8 @@ pub(super) fn leave_out(paths: &mut Vec<Path>, first: usize, zones: &Zones, spac
             && covers_less(path, SMALL_MM2)
             && path.points.iter().all(|&p| beside(&sparse, p) && !solid.iter().any(|area| beside(area, p)))
     };
-    let mut index = 0;
-    paths.retain(|path| {
-        let stays = index < first || !is_needless(path);
-        index += 1;
-        stays
-    });
+    let own = paths.split_off(first);
+    paths.extend(own.into_iter().filter(|path| !is_needless(path)));
 }
 
 fn covers_less(path: &Path, mm2: f64) -> bool {

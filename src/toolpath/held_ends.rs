@@ -59,12 +59,12 @@ pub(super) fn extend(
     let area = LazyCell::new(|| EdgeGrid::new(inside));
     let free = LazyCell::new(|| EdgeGrid::new(sparse));
     let room = Room { hollow, is_inside: |p| area.contains(p), is_free: |p| free.contains(p) };
-    let mut index = 0;
-    paths.retain_mut(|path| {
-        index += 1;
+    let mut own = paths.split_off(first);
+    own.retain_mut(|path| {
         let is_infill = matches!(path.role, Role::SolidInfill | Role::InternalInfill);
-        index <= first || !is_infill || room.extend(path)
+        !is_infill || room.extend(path)
     });
+    paths.append(&mut own);
 }
 
 /// A point of a line.

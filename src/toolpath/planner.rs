@@ -318,8 +318,8 @@ impl Planner {
             let others = object.tool.map(|tool| beside(object, tool, section)).unwrap_or_default();
             for (polygon, walls) in object.section.polygons().iter().zip(walls.by_ref()) {
                 layer.island = Some(IslandId(islands.len() as u32));
-                let beneath = object.beneath.filter(|_| is_even);
-                let repeats = beneath.is_some_and(|beneath| beneath.polygons().contains(polygon));
+                let support_below = part.support_below.as_ref().filter(|_| is_even);
+                let repeats = support_below.is_some_and(|support_below| support_below.has(polygon));
                 let meets_others = !others.is_empty()
                     && !geometry::intersection(&others, &Region::from(polygon.clone())).is_empty();
                 islands.push(Island { object: object.object, repeats, meets_others });

@@ -7,7 +7,7 @@
 use std::ops::ControlFlow;
 
 use super::region::push_ring;
-use super::{Bounds, Point, Ring};
+use super::{Bounds, Boxes, Point, Ring};
 
 /// What counts as inside, by the winding numbers of the first and of the second rings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,8 +69,13 @@ pub(super) struct Arrangement {
     chains: Vec<Chain>,
     owned: Vec<usize>,
     boxes: Vec<Bounds>,
+    /// The same, where there are many.
+    tree: Option<Boxes>,
     leftmost: Vec<usize>,
 }
+
+/// The boxes of more rings are looked up in a tree.
+const MANY: usize = 64;
 
 impl Arrangement {
     /// Splits the rings, all of them first ones. Rings of fewer than three points, of equal neighbours one, are left out.
@@ -136,7 +141,8 @@ impl Arrangement {
             owned.push(chains.len());
             boxes.push(whole.unwrap_or(Bounds::spanned(points[start], points[start])));
         }
-        Self { firsts, points, spans, chains, owned, boxes, leftmost }
+        let tree = (boxes.len() > MANY).then(|| Boxes::new(boxes.iter().copied()));
+        Self { firsts, points, spans, chains, owned, boxes, tree, leftmost }
     }
 
     /// Pairs of edges that cross, each by its first vertex in [`Self::points`]; `None` where edges touch otherwise than neighbours
@@ -329,11 +335,17 @@ impl Arrangement {
 
     /// Winding numbers of the first and the second rings but `own` around a point, which none of them may touch.
     pub(super) fn winding_outside(&self, own: usize, p: Point) -> [i32; 2] {
-        let around = self.boxes.iter().enumerate().filter(|(ring, b)| *ring != own && b.holds(p));
-        around.fold([0, 0], |mut sum, (ring, _)| {
-            sum[usize::from(self.is_second(ring))] += self.winding(ring, p);
-            sum
-        })
+        let mut sum = [0, 0];
+        let add = |ring: usize| {
+            if ring != own {
+                sum[usize::from(self.is_second(ring))] += self.winding(ring, p);
+            }
+        };
+        match &self.tree {
+            Some(tree) => tree.holding(p).into_iter().for_each(add),
+            None => (0..self.boxes.len()).filter(|&ring| self.boxes[ring].holds(p)).for_each(add),
+        }
+        sum
     }
 
     /// Winding number of a ring around a point that is not on it.

@@ -49,7 +49,7 @@ pub fn split(a: &Region, b: &Region) -> (Region, Region) {
 /// The area in any of them.
 pub fn union_all<'a>(regions: impl IntoIterator<Item = &'a Region>) -> Region {
     let polygons: Vec<&Polygon> = regions.into_iter().flat_map(|region| &region.polygons).collect();
-    let boxes: Vec<Bounds> = polygons.iter().map(|p| bounds(p)).collect();
+    let boxes: Vec<Bounds> = polygons.iter().map(|p| p.bounds()).collect();
     let mut result = Region::default();
     for cluster in clusters(&boxes, |_, _| true) {
         let first = polygons[cluster[0]];
@@ -138,7 +138,7 @@ pub(super) fn clusters(boxes: &[Bounds], links: impl Fn(usize, usize) -> bool) -
 fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region; N] {
     let split = a.polygons.len();
     let polygons: Vec<&Polygon> = a.polygons.iter().chain(&b.polygons).collect();
-    let boxes: Vec<Bounds> = polygons.iter().map(|p| bounds(p)).collect();
+    let boxes: Vec<Bounds> = polygons.iter().map(|p| p.bounds()).collect();
     let mut results = [const { Region { polygons: Vec::new() } }; N];
     for cluster in clusters(&boxes, |i, j| (i < split) != (j < split)) {
         let (in_a, in_b) = cluster.split_at(cluster.partition_point(|&i| i < split));
@@ -165,11 +165,6 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
         }
     }
     results
-}
-
-/// The box of a polygon; that of the origin for one without vertices.
-pub(super) fn bounds(polygon: &Polygon) -> Bounds {
-    Bounds::of(polygon.outer.iter().copied()).unwrap_or_default()
 }
 
 /// The region that a rule leaves of any rings, which are cut where they cross unless some touch.

@@ -7,7 +7,7 @@
 use super::arrange::{Arrangement, Rule};
 use super::point::nearest_unit;
 use super::region::{push_ring, surrounds};
-use super::{Bounds, Point, Polygon, Region, Ring, ring_area};
+use super::{Boxes, Point, Polygon, Region, Ring, ring_area};
 
 /// Where a ring meets a crossing. The arc from here to the ring's next stop goes by the stop's index.
 #[derive(Clone, Copy)]
@@ -253,16 +253,12 @@ fn nest(outlines: Vec<Ring>) -> Region {
         }
     }
     let polygons = &mut region.polygons;
-    let boxes: Vec<Option<Bounds>> = if holes.is_empty() || polygons.len() == 1 {
-        Vec::new()
-    } else {
-        polygons.iter().map(|polygon| Bounds::of(polygon.outer.iter().copied())).collect()
-    };
+    let is_found = holes.is_empty() || polygons.len() == 1;
+    let boxes = if is_found { Boxes::default() } else { Boxes::new(polygons.iter().map(Polygon::bounds)) };
     for hole in holes {
         let around = |p: Point| {
-            let holds =
-                |i: &usize| boxes[*i].is_some_and(|b| b.holds(p)) && surrounds(&polygons[*i].outer, p);
-            (0..polygons.len()).filter(holds).min_by(|&i, &j| areas[i].total_cmp(&areas[j]))
+            let near = boxes.holding(p).into_iter().filter(|&i| surrounds(&polygons[i].outer, p));
+            near.min_by(|&i, &j| areas[i].total_cmp(&areas[j]))
         };
         // Rounding may have put a vertex on the outline around.
         let home = if polygons.len() == 1 { Some(0) } else { hole.iter().find_map(|&p| around(p)) };

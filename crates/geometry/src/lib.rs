@@ -10,6 +10,7 @@
 mod arrange;
 mod boolean;
 mod boundary;
+mod boxes;
 mod cells;
 mod clip;
 mod cone;
@@ -32,6 +33,7 @@ mod simplify;
 
 pub use boolean::{difference, intersection, split, union, union_all, unite_rings};
 pub use boundary::{Boundary, BoundaryPos};
+pub use boxes::Boxes;
 pub use cells::nearest_kinds;
 pub use clip::{ClippedPiece, Clipper, clip_polyline, clip_segments, polyline_length_mm};
 pub use cone::Cone;

@@ -3,7 +3,7 @@
 //! Each ring is moved by itself, without the edges that shrink to nothing; where the moved rings touch nothing, as is the rule,
 //! they are the result already. Else the overlaps are taken out by winding number.
 
-use super::boolean::{bounds, clusters, difference, positive};
+use super::boolean::{clusters, difference, positive};
 use super::raw_offset::{Join, RingOffset};
 use super::simplify::simplify_ring;
 use super::{Bounds, Point, Polygon, Region, Ring, UNITS_PER_MM, ring_area};
@@ -123,7 +123,7 @@ pub fn narrower(region: &Region, core: &Core, radius_mm: f64, least_mm: f64) -> 
 
 /// The polygons of a region in groups that may meet when each grows by `reach` units, as their numbers.
 fn groups(region: &Region, reach: f64) -> Vec<Vec<usize>> {
-    let boxes: Vec<Bounds> = region.polygons.iter().map(|p| bounds(p).grown(reach.ceil() as i32)).collect();
+    let boxes: Vec<Bounds> = region.polygons.iter().map(|p| p.bounds().grown(reach.ceil() as i32)).collect();
     clusters(&boxes, |_, _| true)
 }
 

@@ -43,6 +43,11 @@ impl Polygon {
         self.rings().map(|r| ring_area(r)).sum()
     }
 
+    /// The smallest box around it; that of the origin for one without vertices.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::of(self.outer.iter().copied()).unwrap_or_default()
+    }
+
     /// Whether the point is inside or on the boundary. O(vertices).
     pub fn contains(&self, p: Point) -> bool {
         contained(self.rings(), p)

@@ -7,7 +7,7 @@ use super::bitmap::{Bitmap, Grid};
 use super::bridge;
 use crate::toolpath::options::SupportSettings;
 use geometry::real;
-use geometry::{Bounds, Polygon, Region};
+use geometry::{Boxes, Polygon, Region};
 
 /// Overhangs smaller than this are noise of the section: less than a nozzle diameter.
 const CRUMB_MM2: f64 = 0.05;
@@ -29,6 +29,7 @@ pub struct Overhang {
 pub struct Slab<'a> {
     grid: Grid,
     section: Cow<'a, Region>,
+    boxes: OnceLock<Boxes>,
     rough: OnceLock<Region>,
     solid: OnceLock<Bitmap>,
 }
@@ -36,12 +37,17 @@ pub struct Slab<'a> {
 impl<'a> Slab<'a> {
     /// A layer of everything solid.
     pub fn new(grid: Grid, section: Cow<'a, Region>) -> Self {
-        Self { grid, section, rough: OnceLock::new(), solid: OnceLock::new() }
+        Self { grid, section, boxes: OnceLock::new(), rough: OnceLock::new(), solid: OnceLock::new() }
     }
 
     /// Everything solid.
     pub fn section(&self) -> &Region {
         &self.section
+    }
+
+    /// Whether it has exactly this polygon.
+    fn has(&self, polygon: &Polygon) -> bool {
+        self.boxes.get_or_init(|| Boxes::of(&self.section)).find(&self.section, polygon)
     }
 
     /// The same, simplified to [`ROUGH_MM`].
@@ -80,7 +86,7 @@ pub fn find(
     beyond.retain(|polygon| polygon.area_mm2() >= CRUMB_MM2);
     // What nothing touches comes out of the difference as it was.
     let (islands, edges): (Vec<_>, Vec<_>) =
-        beyond.into_polygons().into_iter().partition(|polygon| layer.section().polygons().contains(polygon));
+        beyond.into_polygons().into_iter().partition(|polygon| layer.has(polygon));
 
     let mut leaning = Bitmap::empty(grid);
     let mut air = Bitmap::empty(grid);
@@ -111,12 +117,11 @@ pub fn find(
 /// What reaches farther beyond the layer below than `lean_mm`.
 fn beyond(section: &Region, below: &Slab<'_>, lean_mm: f64) -> Region {
     // Islands that repeat reach nowhere.
-    let is_new = |polygon: &&Polygon| !below.section().polygons().contains(polygon);
+    let is_new = |polygon: &&Polygon| !below.has(polygon);
     let new = Region::disjoint(section.polygons().iter().filter(is_new).cloned());
     let reach = geometry::to_units(lean_mm) + 1;
-    let bounds = |polygon: &Polygon| Bounds::of(polygon.outer.iter().copied()).unwrap_or_default();
-    let boxes: Vec<Bounds> = new.polygons().iter().map(|polygon| bounds(polygon).grown(reach)).collect();
-    let is_near = |polygon: &&Polygon| boxes.iter().any(|near| near.touches(&bounds(polygon)));
+    let boxes = Boxes::new(new.polygons().iter().map(|polygon| polygon.bounds().grown(reach)));
+    let is_near = |polygon: &&Polygon| !boxes.touching(&polygon.bounds()).is_empty();
     let near = Region::disjoint(below.rough().polygons().iter().filter(is_near).cloned());
     geometry::difference(&new, &geometry::offset(&near, lean_mm))
 }

@@ -81,7 +81,7 @@ pub fn medial_axis_in(
             lines.filter_map(|line| Some((line.bounds()?, line))).collect()
         };
         let bounds = grid.bounds().grown(1);
-        let near = area.polygons.iter().filter(|part| super::boolean::bounds(part).touches(&bounds));
+        let near = area.polygons.iter().filter(|part| part.bounds().touches(&bounds));
         let shape = Shape::new(std::iter::once(polygon).chain(near), [max_mm.to_bits(), tip.to_bits()]);
         let points = |lines: &Vec<(Bounds, Line)>| lines.iter().map(|(_, line)| line.len()).sum();
         (known.0.of(shape, points, make), grid)
