@@ -107,22 +107,27 @@ fn write_stl(facets: &[Facet], path: &Path) -> std::io::Result<()> {
 
 /// Lines of growth on logarithmic axes, with a dashed one of what is linear.
 fn draw(all: &[(&str, Counts)], path: &Path) -> Result<(), Box<dyn Error>> {
-    let most = all.iter().filter_map(|(_, counts)| Some(counts.last()?.0 / counts[0].0)).fold(1.0, f64::max);
+    let last = all.iter().filter_map(|(_, counts)| Some((counts[0], *counts.last()?)));
+    let most =
+        last.map(|(a, b)| [b.0 / a.0, b.1 / a.1]).fold([1.0_f64; 2], |m, v| [0, 1].map(|i| m[i].max(v[i])));
     let area = SVGBackend::new(path, (720, 480)).into_drawing_area();
     area.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(&area)
         .margin(16)
         .x_label_area_size(40)
         .y_label_area_size(56)
-        .build_cartesian_2d((1.0..most).log_scale(), (0.9..most).log_scale())?;
+        .build_cartesian_2d((0.9..1.1 * most[0]).log_scale(), (0.9..1.1 * most[1]).log_scale())?;
     chart
         .configure_mesh()
         .disable_mesh()
         .x_desc("times as many triangles, layers, paths per layer")
         .y_desc("times as many instructions")
         .draw()?;
-    let linear = [1.0, most].map(|x| (x, x));
-    chart.draw_series(DashedLineSeries::new(linear, 6, 4, BLACK.mix(0.5).stroke_width(1)))?;
+    let linear = [1.0, most[0].min(most[1])].map(|x| (x, x));
+    chart
+        .draw_series(DashedLineSeries::new(linear, 6, 4, BLACK.mix(0.5).stroke_width(1)))?
+        .label("linear")
+        .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], BLACK.mix(0.5)));
     for (k, (name, counts)) in all.iter().enumerate() {
         let color = [RGBColor(31, 119, 180), RGBColor(214, 39, 40), RGBColor(44, 160, 44)][k % 3];
         let (first, base) = counts[0];
