@@ -29,6 +29,8 @@ const FIRST_MM: f64 = 0.6;
 const LAYER_NOZZLES: f64 = 0.85;
 /// And steps up to this many times the usual one.
 const LAYER_STEPS: f64 = 1.6;
+/// From where to where nothing reaches.
+const NO_SPAN: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 /// Width of a bead in nozzle diameters, where the file does not give it.
 const WIDTH_NOZZLES: f64 = 1.1;
 
@@ -49,6 +51,10 @@ pub(super) struct Floating {
     lowest_mm: f64,
     top_mm: f64,
     z_mm: f64,
+    /// Where the part's beads of the current layer lie, from the lowest bottom to the highest top, and the highest top of
+    /// those in the layer before.
+    span_mm: [f64; 2],
+    under_mm: f64,
     /// Where the last bead ended, and its island.
     last: ([f64; 3], usize),
 }
@@ -69,6 +75,8 @@ impl Floating {
             lowest_mm: f64::INFINITY,
             top_mm: f64::NEG_INFINITY,
             z_mm: f64::NEG_INFINITY,
+            span_mm: NO_SPAN,
+            under_mm: f64::NEG_INFINITY,
             last: ([f64::NAN; 3], 0),
         }
     }
@@ -80,6 +88,10 @@ impl Floating {
             self.steps.height_mm(step_mm, self.nozzle_mm)
         });
         let width_mm = seen.context.width_mm.unwrap_or(WIDTH_NOZZLES * self.nozzle_mm).clamp(0.1, 3.0);
+        if is_part {
+            let [low_mm, high_mm] = self.span_mm;
+            self.span_mm = [low_mm.min(z_mm - height_mm), high_mm.max(z_mm)];
+        }
         let location = Location { line: seen.line.number, layer: seen.context.layer, at_mm: bead.to };
         let island = match self.last {
             (end, island) if end == bead.from && island < self.islands.count() => island,
@@ -115,7 +127,13 @@ impl Floating {
         let cell_mm = self.part.cell_mm();
         let of_part = |island: &&Island| island.has_wall && island.length_mm > SHORTEST_MM;
         let hanging: Vec<&Island> = islands.iter().filter(of_part).filter(|island| !island.held).collect();
-        if !hanging.is_empty() && !islands.iter().any(|island| island.is_part && island.held) {
+        // Beside what the layer beneath has of the part, each island is a matter of its own.
+        let [low_mm, high_mm] = std::mem::replace(&mut self.span_mm, NO_SPAN);
+        let follows = (low_mm - SLACK_MM..high_mm).contains(&self.under_mm);
+        if high_mm.is_finite() {
+            self.under_mm = high_mm;
+        }
+        if !hanging.is_empty() && !follows && !islands.iter().any(|island| island.is_part && island.held) {
             let (location, z_mm, top_mm) = (&hanging[0].location, self.z_mm, self.top_mm);
             found.add(Kind::StartsInAir, location.line, location.layer, || match top_mm.is_finite() {
                 true => format!(

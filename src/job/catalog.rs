@@ -100,7 +100,9 @@ impl Schema {
     pub fn known() -> &'static Self {
         static SCHEMA: OnceLock<Schema> = OnceLock::new();
         SCHEMA.get_or_init(|| {
-            let defaults = serde_json::to_value(Settings::default()).unwrap_or_default();
+            // By way of a table, as settings are written elsewhere: the code for that is large.
+            let defaults = toml::Table::try_from(Settings::default()).ok();
+            let defaults = serde_json::to_value(defaults).unwrap_or_default();
             let groups = SECTIONS.iter().map(|section| Group {
                 name: section.name,
                 title: title(section.name),

@@ -72,8 +72,8 @@ pub enum MeshError {
     #[error("{}: there is no facet in the file; export the model again", path.display())]
     NoFacets { path: PathBuf },
     #[error(
-        "{}: the model has no volume ({:.3} × {:.3} × {:.3} mm, {} facets); a surface must be given a thickness \
-         before it can be printed", path.display(), size[0], size[1], size[2], facets
+        "{}: the model has no volume ({:.3} × {:.3} × {:.3} mm, {}); a surface must be given a thickness \
+         before it can be printed", path.display(), size[0], size[1], size[2], super::report::facets(*facets)
     )]
     NoVolume { path: PathBuf, size: [f64; 3], facets: usize },
 }

@@ -156,11 +156,16 @@ impl MeshReport {
     }
 }
 
+/// So many facets, in words.
+pub(super) fn facets(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "facet" } else { "facets" })
+}
+
 impl fmt::Display for MeshReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = self.size_mm;
         let ([x0, y0, z0], [x1, y1, z1]) = (self.min_mm, self.max_mm);
-        writeln!(f, "format      {}, {} facets", self.format, self.facets)?;
+        writeln!(f, "format      {}, {}", self.format, facets(self.facets))?;
         writeln!(f, "size        {x:.3} × {y:.3} × {z:.3} mm")?;
         writeln!(f, "position    x {x0:.3} … {x1:.3}, y {y0:.3} … {y1:.3}, z {z0:.3} … {z1:.3} mm")?;
         writeln!(

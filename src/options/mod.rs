@@ -3,6 +3,10 @@
 //! [`section!`] makes a struct of options with its defaults and the table of its keys; [`choice!`] makes an option that is
 //! one of a few words. `profile` joins the sections of all stages.
 
+mod read;
+
+pub(crate) use read::Reader;
+
 use crate::units::{Celsius, Mm, Mm3, Mm3PerS, MmPerS, MmPerS2, Ratio, Seconds};
 
 /// The kind of a key's value.
@@ -152,11 +156,21 @@ macro_rules! section {
     )* }) => {
         $(#[doc = $doc])*
         #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-        #[serde(deny_unknown_fields)]
+        #[serde(try_from = "toml::Table")]
         pub struct $name { $($(#[doc = $fdoc])* pub $field: $ty,)* }
 
         impl Default for $name {
             fn default() -> Self { Self { $($field: $default,)* } }
+        }
+
+        impl TryFrom<toml::Table> for $name {
+            type Error = toml::de::Error;
+
+            fn try_from(table: toml::Table) -> Result<Self, Self::Error> {
+                let (mut reader, mut read) = ($crate::options::Reader::new(table), Self::default());
+                $(reader.demand(stringify!($field), &mut read.$field);)*
+                reader.end(read)
+            }
         }
 
         impl $name {

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::flush;
@@ -32,7 +31,7 @@ impl Settings {
                 section.insert(name.to_owned(), value.clone());
             }
         }
-        Cow::Owned(Self::deserialize(Value::Table(table)).expect("every value was checked"))
+        Cow::Owned(Self::try_from(table).expect("every value was checked"))
     }
 
     /// Filament flushed when one tool follows another, both counted from 0, mm³: as is listed, the same for all, or by the colors.

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::conflicts;
@@ -183,7 +182,7 @@ fn assigned(
         }
     }
 
-    let settings = Settings::deserialize(Value::Table(table)).expect("every value was checked");
+    let settings = Settings::try_from(table).expect("every value was checked");
     let found = conflicts::find(&settings, &origins);
     // A value that was refused leaves an older one in its place, which must not be blamed for a conflict.
     problems.extend(

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use toml::Value;
+use toml::{Table, Value};
 
 use super::embedded::default_script;
 use super::tools::Tool;
@@ -15,7 +15,7 @@ use crate::motion::{
     AccelerationSettings, CoolingSettings, FilamentSettings, RetractSettings, RoleFlowSettings,
     SpeedSettings, SwapSettings, TemperatureSettings, TravelSettings,
 };
-use crate::options::{Field, Section};
+use crate::options::{Field, Reader, Section};
 use crate::order::{OrderSettings, SeamSettings};
 use crate::plate::{BedSettings, PlateSettings, PrintSettings};
 use crate::slice::LayerSettings;
@@ -29,16 +29,27 @@ macro_rules! settings {
     ($($section:ident: $ty:ident,)*) => {
         /// Every setting in force.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(deny_unknown_fields)]
+        #[serde(try_from = "Table")]
         #[allow(missing_docs)]
         pub struct Settings {
             $(pub $section: $ty,)*
             /// Names that scripts may use, with their values: those of another slicer's preset, or a profile's own.
-            #[serde(default)]
             pub variables: BTreeMap<String, Value>,
             /// What each tool has of its own; empty: the printer has one.
-            #[serde(default, skip_serializing_if = "Vec::is_empty")]
+            #[serde(skip_serializing_if = "Vec::is_empty")]
             pub tools: Vec<Tool>,
+        }
+
+        impl TryFrom<Table> for Settings {
+            type Error = toml::de::Error;
+
+            fn try_from(table: Table) -> Result<Self, Self::Error> {
+                let (mut reader, mut read) = (Reader::new(table), Self::of_stages());
+                $(reader.section(stringify!($section), &mut read.$section);)*
+                reader.take("variables", &mut read.variables);
+                reader.take("tools", &mut read.tools);
+                reader.end(read)
+            }
         }
 
         impl Settings {

@@ -146,6 +146,16 @@ fn an_island_in_mid_air_is_a_warning_and_a_bridge_is_none() {
 }
 
 #[test]
+fn a_layer_wholly_beside_the_one_beneath_has_islands_in_mid_air_and_a_gap_is_an_error() {
+    for (bottom_mm, kind) in [(2.0, Kind::FloatingIsland), (3.0, Kind::StartsInAir)] {
+        let mut file = File::new(true);
+        file.block(0.0, 2.0).layer(bottom_mm + 0.2, 0.2).square("External perimeter", [130.0, 100.0], 3.0);
+        let found = floating(&file.report());
+        assert_eq!(found.iter().map(|(kind, ..)| *kind).collect::<Vec<_>>(), [kind], "{found:?}");
+    }
+}
+
+#[test]
 fn an_object_after_another_begins_on_the_bed_again() {
     let mut file = File::new(true);
     file.block(0.0, 4.0);

@@ -333,6 +333,45 @@ fn an_obj_is_read_with_all_notations_of_a_vertex() {
     assert!(refused("v 1 2").contains("a vertex has fewer than 3 coordinates"));
     assert!(refused("v 1 2 x").contains("`x` is not a number"));
     assert!(refused("v 1 2 nan\nf 1 2 9").contains("line 10: coordinate NaN"));
+    let flat = load(b"v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nf 1 2 3 4\n").unwrap_err().to_string();
+    assert!(flat.contains("no volume (2.000 × 3.000 × 0.000 mm, 1 facet)"), "{flat}");
+}
+
+#[test]
+fn a_face_is_what_its_outline_encloses() {
+    // Prisms 2 high; where a hole is joined to the outline, its corners and those of the joint stand twice.
+    let notched = [[0, 0], [4, 0], [4, 4], [2, 1], [0, 4]].as_slice();
+    let frame = &[[0, 0], [4, 0], [4, 4], [0, 4], [0, 0], [1, 1], [1, 3], [3, 3], [3, 1], [1, 1]];
+    for (outline, mm3) in [(notched, 20.0), (frame, 24.0)] {
+        for axes in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
+            let at = |[x, y]: [i32; 2], z: i32| {
+                let place = axes.map(|axis| [x, y, z][axis]);
+                format!("v {} {} {}\n", place[0], place[1], place[2])
+            };
+            let count = outline.len();
+            let corners: String = [0, 2].iter().flat_map(|z| outline.iter().map(|p| at(*p, *z))).collect();
+            let below: String = (1..=count).rev().map(|i| format!(" {i}")).collect();
+            let above: String = (1..=count).map(|i| format!(" {}", i + count)).collect();
+            let side = |i: usize| {
+                let next = i % count + 1;
+                format!("f {i} {next} {} {}\n", next + count, i + count)
+            };
+            let sides: String = (1..=count).map(side).collect();
+            let text = format!("{corners}f{below}\nf{above}\n{sides}");
+            let (_, report) = pathwright::mesh::from_bytes("part.obj".as_ref(), text.as_bytes()).unwrap();
+            assert_eq!((report.volume_mm3.round(), report.watertight), (mm3, true), "{axes:?}: {report}");
+        }
+    }
+}
+
+#[test]
+fn text_in_16_bits_is_read_as_the_same_in_8() {
+    let text = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n# Ärger\n";
+    let load = |data: &[u8]| pathwright::mesh::from_bytes("part.obj".as_ref(), data).unwrap();
+    let units = || "\u{feff}".encode_utf16().chain(text.encode_utf16());
+    let [big, little] =
+        [u16::to_be_bytes, u16::to_le_bytes].map(|bytes| units().flat_map(bytes).collect::<Vec<u8>>());
+    assert!(load(&big) == load(text.as_bytes()) && load(&little) == load(text.as_bytes()));
 }
 
 #[test]

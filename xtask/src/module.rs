@@ -54,16 +54,17 @@ fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }
 
-/// Compiles the module. The standard library that comes with Rust is for one thread; that for several is compiled from its
-/// sources, which stable Rust does not do unless it is told to by `RUSTC_BOOTSTRAP`.
+/// Compiles the module. The standard library that comes with Rust is for one thread, and quick rather than small: its sorts alone are
+/// a tenth of the module. So it is compiled from its sources, which stable Rust does not do unless it is told to by `RUSTC_BOOTSTRAP`.
 fn compile(is_shared: bool) -> Result<PathBuf> {
     let folder = if is_shared { target().join("web-threads") } else { target() };
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command.args(["build", "--locked", "-p", "pathwright-wasm", "--profile", "web", "--target", TARGET]);
     command.arg("--target-dir").arg(&folder).current_dir(root());
+    command.args(["-Zbuild-std=std,panic_abort", "-Zbuild-std-features=optimize_for_size"]);
+    command.env("RUSTC_BOOTSTRAP", "1");
     if is_shared {
-        command.arg("-Zbuild-std=std,panic_abort").env("RUSTC_BOOTSTRAP", "1");
         // What comes before all other ways to give flags.
         command.env("CARGO_ENCODED_RUSTFLAGS", SHARED.join("\x1f"));
     }

@@ -29,7 +29,9 @@ mod raw_offset;
 pub mod real;
 mod region;
 mod route;
+mod sample;
 mod simplify;
+mod triangles;
 
 pub use boolean::{difference, intersection, split, union, union_all, unite_rings};
 pub use boundary::{Boundary, BoundaryPos};
@@ -50,6 +52,7 @@ pub use raw_offset::Join;
 pub use region::{Bounds, Polygon, Region, Ring, ring_area, ring_contains, ring_length_mm};
 pub use route::{Route, Router};
 pub use simplify::simplify;
+pub use triangles::triangles;
 
 /// The examples of the README are compiled with the documentation's.
 #[cfg(doctest)]

@@ -251,6 +251,7 @@ fn repaired(
         let problem = format!("{facets} facets; at most {} are read", limits::FACETS);
         return Err(MeshError::TooLarge { path: path.to_path_buf(), problem });
     }
+    let size = units::size_of(soup.vertices.iter().copied()).unwrap_or_default();
     let repair::Repaired { vertices, triangles, twins, repairs } = repair::repair(soup, workers);
     // A seam in a surface with one side does not take its outside from the rest.
     let oriented = repairs.clashing * FEW_CLASHES <= triangles.len();
@@ -265,7 +266,7 @@ fn repaired(
     let report = MeshReport::new(&mesh, format, facets, &repairs, notes);
     // A solid is at least as thick on average as the grid is fine.
     if report.volume_mm3.abs() <= 1e-5 * report.area_mm2 {
-        return Err(MeshError::NoVolume { path: path.to_path_buf(), size: report.size_mm, facets });
+        return Err(MeshError::NoVolume { path: path.to_path_buf(), size, facets });
     }
     Ok((mesh, report))
 }

@@ -4,6 +4,7 @@ mod format;
 mod formats;
 mod load;
 mod obj;
+mod polygon;
 mod stl;
 mod threemf;
 mod words;

@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use super::format::{Contents, Format, bad_coordinate, has_extension, is_text};
+use super::polygon;
 use super::words::{Words, number};
 use crate::mesh::error::{Location, MeshError};
 use crate::mesh::weld::Welder;
@@ -32,6 +33,7 @@ impl Format for Obj {
         let mut welder = Welder::with_capacity(data.len() / 40);
         let (mut facets, mut polygons, mut objects) = (0, 0, 0);
         let mut corners: Vec<[f32; 3]> = Vec::with_capacity(4);
+        let mut split = Vec::with_capacity(2);
         while let Some(word) = words.next() {
             let line = words.line;
             match word {
@@ -61,11 +63,12 @@ impl Format for Obj {
                     }
                     facets += 1;
                     polygons += usize::from(corners.len() > 3);
-                    for pair in corners[1..].windows(2) {
+                    polygon::split(&corners, &mut split);
+                    for facet in &split {
                         let bad = |value| {
                             bad_coordinate(path, Location::Line(line), value, vertices.iter().copied())
                         };
-                        welder.push([corners[0], pair[0], pair[1]]).map_err(bad)?;
+                        welder.push(facet.map(|corner| corners[corner as usize])).map_err(bad)?;
                     }
                 }
                 b"o" => objects += 1,
@@ -78,7 +81,7 @@ impl Format for Obj {
             notes.push(format!("{objects} objects in the file were taken together"));
         }
         if polygons > 0 {
-            notes.push(format!("{polygons} faces with more than 3 corners were split"));
+            notes.push(polygon::note(polygons, "face"));
         }
         Ok(Contents::single(welder.finish(), "OBJ", facets, notes))
     }

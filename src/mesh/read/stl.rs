@@ -8,6 +8,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::format::{Contents, Format, bad_coordinate, is_text, trimmed};
+use super::polygon;
 use super::words::{Words, number};
 use crate::mesh::error::{Location, MeshError};
 use crate::mesh::weld::{FARTHEST, Welder};
@@ -172,6 +173,7 @@ fn read_text(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
     let mut words = Words::new(data);
     let mut welder = Welder::with_capacity(data.len() / 250);
     let mut corners: Vec<[f32; 3]> = Vec::with_capacity(4);
+    let mut split = Vec::with_capacity(2);
     let (mut facets, mut solids, mut ends, mut polygons) = (0, 0, 0, 0);
     let mut inside = false;
     let syntax = |line, problem| MeshError::Syntax {
@@ -211,9 +213,10 @@ fn read_text(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
             inside = false;
             facets += 1;
             polygons += usize::from(corners.len() > 3);
-            for pair in corners[1..].windows(2) {
+            polygon::split(&corners, &mut split);
+            for facet in &split {
                 let bad = |value| bad_coordinate(path, Location::Line(line), value, vertices(data));
-                welder.push([corners[0], pair[0], pair[1]]).map_err(bad)?;
+                welder.push(facet.map(|corner| corners[corner as usize])).map_err(bad)?;
             }
         } else if word.eq_ignore_ascii_case(b"solid") {
             solids += 1;
@@ -237,7 +240,7 @@ fn read_text(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
         notes.push("`endsolid` is missing: the file may have lost its end".into());
     }
     if polygons > 0 {
-        notes.push(format!("{polygons} facets with more than 3 corners were split"));
+        notes.push(polygon::note(polygons, "facet"));
     }
     Ok(Contents::single(welder.finish(), "ASCII STL", facets, notes))
 }

@@ -1,8 +1,9 @@
 //! The chordal axis of a polygon as a graph.
 
-use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use spade::{ConstrainedDelaunayTriangulation, Triangulation};
 
 use super::outline::{Outline, Position, distance, lerp};
+use crate::sample::Sample;
 
 /// No node.
 pub(super) const NONE: u32 = u32::MAX;
@@ -42,19 +43,6 @@ impl Node {
         if let Some(link) = self.links.iter_mut().find(|n| **n == from) {
             *link = NONE;
         }
-    }
-}
-
-/// A boundary sample as a vertex of the triangulation.
-struct Sample {
-    at: Position,
-    index: u32,
-}
-
-impl HasPosition for Sample {
-    type Scalar = f64;
-    fn position(&self) -> Point2<f64> {
-        Point2::new(self.at[0], self.at[1])
     }
 }
 
