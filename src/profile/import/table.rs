@@ -688,6 +688,12 @@ pub(super) const ROWS: &[Row] = &[
         "of several extruders",
         t::tower_line_distance,
     ),
+    with(
+        "prime_tower.at_start",
+        &["single_extruder_multi_material_priming"],
+        "of several extruders",
+        t::primed,
+    ),
     with("gcode.filament_start", &["start_filament_gcode"], SCRIPT, c::filament_start),
     with("gcode.before_layer", &["before_layer_gcode"], SCRIPT, c::before_layer),
     with("gcode.after_layer", &["layer_gcode"], SCRIPT, c::after_layer),
