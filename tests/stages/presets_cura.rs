@@ -123,6 +123,7 @@ const DUAL: &[(&str, &str)] = &[
     (
         "extruders/dual_left.def.json",
         r#"{"name": "L", "inherits": "fdmextruder", "overrides": {"material_diameter": {"default_value": 1.75},
+"machine_nozzle_offset_x": {"default_value": 0}, "machine_extruder_end_code": {"default_value": ""},
 "machine_extruder_start_code": {"default_value": "G1 X5 ; left\nG1 X6"}}}"#,
     ),
     (
@@ -141,7 +142,7 @@ fn a_machine_with_several_extruders_has_the_settings_of_each() {
     assert_eq!(config.extruders(), 2);
     let said = |extruder: usize, key: &str| config.of_extruder(extruder).text(key).map(str::to_owned);
     for (key, values) in [
-        ("nozzle_diameter", ["0.6", "0.6"]),
+        ("nozzle_diameter", ["0.4", "0.4"]),
         ("extruder_offset", ["0x0", "18x0"]),
         ("idle_temperature", ["150", "150"]),
         ("support_material_extruder", ["2", "2"]),
@@ -163,7 +164,7 @@ fn a_machine_with_several_extruders_has_the_settings_of_each() {
     assert_eq!(config.script("start_gcode"), "M104 T1 S{material_print_temperature[1]}\nT{initial_tool}\n");
     assert_eq!(
         (config.raw["extruder_nr"].value.as_str(), config.raw["speed_print"].value.as_str()),
-        ("0,1", "60,60")
+        ("0,1", "80,40")
     );
 }
 

@@ -192,8 +192,8 @@ impl Cura {
         }
         let text = Type { scalar: Scalar::Text, shape: Shape::One };
         let number = Type { scalar: Scalar::Integer, shape: Shape::One };
-        for name in table::OF_EXTRUDERS {
-            config.set_raw(name, "0", Some(number));
+        for (name, extruder) in table::OF_EXTRUDERS.into_iter().zip([0, machine.extruder]) {
+            config.set_raw(name, &extruder.to_string(), Some(number));
         }
         for (key, name) in [("printer_settings_id", printer), ("print_settings_id", print)] {
             config.set(key, &escaped(name), Place::new(machine.machine.file.clone(), 1, printer));

@@ -42,7 +42,7 @@ pub(super) struct Resolved<'a> {
     /// What a user has made of it.
     pub added: Option<Added<'a>>,
     /// Which of its extruders is looked at, from 0.
-    extruder: usize,
+    pub extruder: usize,
 }
 
 /// What a print preset comes to.

@@ -341,7 +341,7 @@ fn fan_off_layers(stack: &Stack) -> Option<String> {
     Some(if is_off { "1".into() } else { "0".into() })
 }
 
-/// Names of scripts that are no settings.
+/// Names of scripts that are no settings: of the extruder that begins, and of the one in use.
 pub(super) const OF_EXTRUDERS: [&str; 2] = ["initial_extruder_nr", "extruder_nr"];
 
 /// What a row of the table says.
