@@ -76,6 +76,7 @@ kinds! {
     UnbalancedRetraction, Warning, "unbalanced-retraction", "unretraction and retraction differ in length";
     UnretractedChange, Warning, "unretracted-change", "a change of tool without a retraction";
     MissingFlush, Warning, "missing-flush", "the part goes on after a change of tool before the flush that the file speaks of";
+    UnprimedTool, Warning, "unprimed-tool", "a tool was not primed before the part began, though the file says that all are";
     OutsideAtStart, Warning, "outside-at-start", "a move outside of the printable volume before the print";
     OutsideInScript, Warning, "outside-in-script", "a script moves outside of the printable volume";
     HeaterLeftOn, Warning, "heater-left-on", "a heater is left on at the end";

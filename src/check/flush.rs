@@ -1,4 +1,7 @@
-//! Flushes: where a file says that a change of tool is flushed into a tower, that is done before the part goes on.
+//! Flushes: where a file says that a change of tool is flushed into a tower, that is done before the part goes on; where it says that
+//! its tools are primed, that is done before the part begins.
+
+use std::collections::BTreeMap;
 
 use super::fault::Kind;
 use super::report::Found;
@@ -9,6 +12,9 @@ use crate::toolpath::Role;
 
 /// Share of the flush that is enough, in a file of ours and in others, whose changers flush part of it by themselves.
 const ENOUGH: [f64; 2] = [0.9, 0.5];
+
+/// What primes a tool, mm³.
+const PRIMED_MM3: f64 = 5.0;
 
 /// What may be flushed into, in the order of [`Laid`].
 const INTO: [&str; 2] = ["flush_into_infill", "flush_into_support"];
@@ -35,9 +41,13 @@ pub(super) struct Flush {
     /// The last change, until the part goes on.
     open: Option<Change>,
     made: Vec<Change>,
+    /// What each tool has laid before the part, mm³.
+    before_mm3: BTreeMap<u32, f64>,
+    part_begun: bool,
     // What the file says.
     is_ours: bool,
     has_tower: bool,
+    is_primed: bool,
     has_one_nozzle: bool,
     volumes_mm3: Vec<f64>,
     multiplier: f64,
@@ -54,8 +64,11 @@ impl Flush {
             tool: None,
             open: None,
             made: Vec::new(),
+            before_mm3: BTreeMap::new(),
+            part_begun: false,
             is_ours: false,
             has_tower: false,
+            is_primed: false,
             has_one_nozzle: false,
             volumes_mm3: Vec::new(),
             multiplier: 1.0,
@@ -74,6 +87,7 @@ impl Flush {
         let is_on = || numbers().any(|number| number > 0.0);
         match key {
             "wipe_tower" | "enable_prime_tower" => self.has_tower = is_on(),
+            "single_extruder_multi_material_priming" => self.is_primed = is_on(),
             "single_extruder_multi_material" => self.has_one_nozzle = is_on(),
             "wiping_volumes_matrix" | "flush_volumes_matrix" => self.volumes_mm3 = numbers().collect(),
             "wiping_volumes_use_custom_matrix" => self.has_other_volumes = !is_on(),
@@ -88,11 +102,16 @@ impl Flush {
     }
 
     fn lay(&mut self, seen: &LineContext<'_>) {
-        let (Some(stroke), Some(change)) = (seen.stroke(), &mut self.open) else { return };
+        let Some(stroke) = seen.stroke() else { return };
         let mm3 = stroke.fresh_mm3(self.filament_area_mm2);
         if mm3 <= 0.0 {
             return;
         }
+        self.part_begun |= seen.begun && !matches!(seen.context.role, None | Some(Role::PrimeTower));
+        if !self.part_begun {
+            *self.before_mm3.entry(self.tool.unwrap_or(0)).or_default() += mm3;
+        }
+        let Some(change) = &mut self.open else { return };
         match seen.context.role {
             _ if seen.in_script || !stroke.extrudes() => change.laid.tower_mm3 += mm3,
             // Towers are no part of the object, and read as such.
@@ -134,6 +153,10 @@ impl Rule for Flush {
         let unknown = !self.is_ours && (!self.has_one_nozzle || self.into.contains(&true));
         if !self.has_tower || unknown || self.into_objects || self.has_other_volumes {
             return;
+        }
+        let primed = |tool: u32| self.before_mm3.get(&tool).is_some_and(|mm3| *mm3 >= PRIMED_MM3);
+        for change in self.made.iter().filter(|change| self.is_primed && !primed(change.tools[1])) {
+            found.add(Kind::UnprimedTool, change.line, change.layer, || format!("T{}", change.tools[1]));
         }
         let enough = ENOUGH[usize::from(!self.is_ours)];
         for change in &self.made {

@@ -150,8 +150,12 @@ impl Walk {
             Move::Pause | Move::ColorChange | Move::ToolChange(_) => {}
             Move::Swap(SwapStep::Filament { length_mm, speed }) => self.feed(length_mm, speed.0),
             Move::Swap(SwapStep::Wait(time)) => self.planner.dwell(time.0, self.only.unwrap_or(RETRACTION)),
-            Move::Swap(SwapStep::PressureAdvance { .. } | SwapStep::Sensor(_) | SwapStep::HighCurrent(_)) => {
-            }
+            Move::Swap(
+                SwapStep::Take(_)
+                | SwapStep::PressureAdvance { .. }
+                | SwapStep::Sensor(_)
+                | SwapStep::HighCurrent(_),
+            ) => {}
         }
     }
 

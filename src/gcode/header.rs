@@ -185,6 +185,8 @@ fn facts_lines(bytes: &mut Vec<u8>, settings: &GcodeOptions, facts: &PrintFacts)
         let flushes = settings.tools.iter().flat_map(|tool| tool.flushes_mm3.iter().map(|mm3| text(*mm3, 1)));
         let change = &settings.tool_change;
         line(bytes, &format!("; wipe_tower = {}", u8::from(facts.tools.tower)));
+        let primed = u8::from(facts.tools.primed);
+        line(bytes, &format!("; single_extruder_multi_material_priming = {primed}"));
         line(bytes, &format!("; wiping_volumes_matrix = {}", flushes.collect::<Vec<_>>().join(",")));
         for (key, on) in [
             ("flush_into_infill", change.flush_into_infill),

@@ -280,6 +280,7 @@ impl<'a> Writer<'a> {
 
     fn swap(&mut self, step: SwapStep) {
         match step {
+            SwapStep::Take(tool) => line(&mut self.out, &format!("T{tool}")),
             SwapStep::Filament { length_mm, speed } => {
                 let fed = self.extruder.feed(length_mm);
                 self.e_only(fed, speed);

@@ -45,6 +45,8 @@ pub struct ToolFacts {
     pub changes: usize,
     /// There is a prime tower.
     pub tower: bool,
+    /// Tools are primed before the first layer.
+    pub primed: bool,
     /// Tools are flushed into an object.
     pub flushes_into_objects: bool,
 }

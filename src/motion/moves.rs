@@ -51,6 +51,8 @@ pub enum Move {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub enum SwapStep {
+    /// Says which filament is put in, where none is.
+    Take(ToolId),
     /// Moves filament in place: forward, or back where the length is less than 0.
     Filament { length_mm: f64, speed: MmPerS },
     /// Stands still.

@@ -148,8 +148,10 @@ section! {
         z_hop_above: Mm = Mm(0.0); 0.0..=5000.0,
         /// Lift on layers up to this height only; 0: on all.
         z_hop_below: Mm = Mm(0.0); 0.0..=5000.0,
-        /// How steeply the nozzle lifts while it travels, as far as it stays inside the part; 90: straight up, before it travels.
+        /// How steeply the nozzle lifts while it travels; 90: straight up, before it travels.
         z_hop_slope: f64 = 90.0; 1.0..=90.0, "°",
+        /// Lift on a slope inside the part alone, as steeply as it takes to be up where the travel leaves it; off: no steeper there, and no higher than the travel is long enough for.
+        z_hop_before_leaving: bool = true,
         /// Lift on travels inside the part too, not only on those that cross an outer wall.
         z_hop_inside: bool = false,
         /// Wipe: distance moved back over the last path while retracting; 0: none.

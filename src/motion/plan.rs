@@ -76,12 +76,18 @@ pub fn plan_layer(
         pieces: Vec::new(),
     };
     let precedes = |stops: &[PauseAt]| {
-        let begins = !layer.turn.is_later;
+        let begins = !layer.turn.is_later && !layer.turn.primes;
         begins && stops.iter().any(|p| p.precedes(layer.index, layer.top_mm, layer.height_mm))
     };
     let mut stop = precedes(&settings.color_changes)
         .then_some(Stop::ColorChange)
         .or(precedes(&settings.pauses).then_some(Stop::Pause));
+    // What the start script has left to the slicer.
+    let mut is_empty = layer.turn.primes && settings.swaps();
+    if is_empty {
+        // There is nothing to pull back, nor to push forward, on the way to where it is loaded.
+        nozzle.retracted_mm = settings.retract.length.0;
+    }
     let mut vertices = Vec::new();
     for visit in sequence {
         let Some(path) = layer.paths.get(visit.path as usize) else { continue };
@@ -102,6 +108,10 @@ pub fn plan_layer(
             continue;
         }
         nozzle.travel(start.at, path.island, stop.take());
+        if std::mem::take(&mut is_empty) {
+            nozzle.moves.pop_if(|step| matches!(step, Move::Unretract { .. }));
+            nozzle.load_first();
+        }
         if let Some(extra_mm) = nozzle.restart_mm.take() {
             nozzle.extra_mm3 = extra_mm * nozzle.settings.flow.filament_area_mm2;
         }

@@ -115,6 +115,16 @@ impl Nozzle<'_> {
         }
     }
 
+    /// Puts in the first filament of all, at the place where it is primed.
+    pub(super) fn load_first(&mut self) {
+        let high = self.settings.swap.high_current;
+        let current = |high: bool| Move::Swap(SwapStep::HighCurrent(high));
+        self.moves.extend(high.then(|| current(true)));
+        self.moves.push(Move::Swap(SwapStep::Take(self.tool)));
+        self.load();
+        self.moves.extend(high.then(|| current(false)));
+    }
+
     /// Moves filament in place, forward or back.
     fn filament(&mut self, length_mm: f64, speed: MmPerS) {
         if length_mm.abs() > 1e-9 {

@@ -123,14 +123,15 @@ impl Nozzle<'_> {
         if lifts { retract.z_hop.0 } else { 0.0 }
     }
 
-    /// A travel over these stops that rises at an angle, as long as it is inside the part; `None`: straight up.
+    /// A travel over these stops that rises at an angle, as long as it is inside the part where that is wanted; `None`: straight up.
     fn slope(&self, stops: &[[f64; 2]], hop_mm: f64) -> Option<Vec<Move>> {
         let degrees = self.settings.retract.z_hop_slope;
         let at = self.at.filter(|_| degrees < 90.0)?;
         let rise_mm = self.layer_z_mm + hop_mm - self.z_mm;
         let way: Vec<[f64; 2]> = std::iter::once(at).chain(stops.iter().copied()).collect();
-        let (inside_mm, way_mm) =
-            (self.inside_mm(&way), way.windows(2).map(|w| distance_mm(w[0], w[1])).sum());
+        let way_mm: f64 = way.windows(2).map(|w| distance_mm(w[0], w[1])).sum();
+        let inside_mm =
+            if self.settings.retract.z_hop_before_leaving { self.inside_mm(&way) } else { way_mm };
         let angled_mm = rise_mm / real::tan(degrees.to_radians());
         // A way that ends before is not risen to the top, but to the layer at least.
         let climb_mm = self.layer_z_mm - self.z_mm;

@@ -127,12 +127,16 @@ impl Preheater {
         }
     }
 
-    /// Heats a tool from a time on, if that is not as late as it has to be hot.
+    /// Heats a tool from a time on: after the last move that has ended then, and not within the change of other tools.
     fn heat(&mut self, start_s: f64, needed_s: f64, tool: ToolId, nozzle: Celsius) {
-        let after = self.held.partition_point(|held| held.begins_s <= start_s);
-        let Some(held) = self.held.get_mut(after.saturating_sub(1)) else { return };
+        let ended = |held: &Held| {
+            let timeline = held.layer.timeline.as_ref()?;
+            timeline.ends_s.partition_point(|end_s| held.begins_s + end_s <= start_s).checked_sub(1)
+        };
+        let last = self.held.iter().enumerate().rev().find_map(|(number, held)| Some((number, ended(held)?)));
+        let (number, index) = last.unwrap_or_default();
+        let Some(held) = self.held.get_mut(number) else { return };
         let Some(timeline) = &held.layer.timeline else { return };
-        let index = timeline.ends_s.partition_point(|end_s| held.begins_s + end_s < start_s);
         let Some((&at_s, &place)) = timeline.ends_s.get(index).zip(held.layer.text.ends.get(index)) else {
             return;
         };

@@ -76,6 +76,7 @@ pub(super) fn slice(
     let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(rounds, settings, workers));
 
     let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), &site, settings, workers)?;
+    warnings.extend(tooled.iter().filter_map(|tooled| tooled.warning.clone()));
     let counts = rounds.iter().enumerate().map(|(number, round)| {
         tooled.as_ref().map_or(round.sections.layers.len(), |tooled| tooled.count(number))
     });

@@ -4,6 +4,7 @@ use crate::gcode::ToolFacts;
 use crate::job::{FitError, JobError};
 use crate::parallel::Workers;
 use crate::plan::blocks::{self, Pass};
+use crate::plan::priming::{self, Priming};
 use crate::plan::shield::Shield;
 use crate::plan::styles::Styles;
 use crate::plan::tower::Tower;
@@ -23,6 +24,10 @@ pub(super) struct Tooled {
     /// What tower and ooze shield cover on the bed.
     pub covered: Vec<Polygon>,
     has_tower: bool,
+    /// What comes before the first layer.
+    priming: Option<Priming>,
+    /// What the user should know.
+    pub warning: Option<String>,
     flushes_into_objects: bool,
 }
 
@@ -81,8 +86,15 @@ impl Tooled {
         let flushes_into_objects =
             styles.own().any(|own| own.tool_of.flush || into_infill(own) != into_infill(settings))
                 || settings.tool_of.flush;
-        let mut tooled =
-            Self { layers, passes: Vec::new(), covered: Vec::new(), has_tower: false, flushes_into_objects };
+        let mut tooled = Self {
+            layers,
+            passes: Vec::new(),
+            covered: Vec::new(),
+            has_tower: false,
+            priming: None,
+            warning: None,
+            flushes_into_objects,
+        };
         // Objects that are printed one after the other have neither.
         if let [round] = rounds {
             tooled.add_shield(round, site, settings, workers);
@@ -95,12 +107,15 @@ impl Tooled {
 
     /// How many parts a round is printed in: as many as it has layers, unless tools print several at once.
     pub fn count(&self, round: usize) -> usize {
-        self.passes[round].len()
+        usize::from(self.priming.is_some()) + self.passes[round].len()
     }
 
     /// Such a part.
     pub fn paths(&self, round: usize, part: usize) -> LayerPaths {
-        self.passes[round][part].paths(&self.layers[round])
+        match &self.priming {
+            Some(priming) if part == 0 => priming.layer(),
+            priming => self.passes[round][part - usize::from(priming.is_some())].paths(&self.layers[round]),
+        }
     }
 
     /// Lays the tower, where one is wanted.
@@ -121,7 +136,18 @@ impl Tooled {
         let [printed, standing] = [printed(round, settings, workers), standing(round, settings, workers)]
             .map(|region| geometry::union(&region, &shield));
         let room = site.tower_room_mm.map(|[middle, _]| middle);
-        if !tower.place(&printed, &standing, room, settings) {
+        let mut is_placed = false;
+        if let Some(priming) = Self::priming(layers, &printed, site, settings) {
+            let lines = Region::from(priming.covered.clone());
+            let [printed, standing] = [&printed, &standing].map(|region| geometry::union(region, &lines));
+            is_placed = tower.place(&printed, &standing, room, settings);
+            self.priming = Some(priming).filter(|_| is_placed);
+        }
+        if settings.prime_tower.at_start && self.priming.is_none() {
+            let text = "no room at the front and back edges of the bed to prime the tools; the start script primes the first one";
+            self.warning = Some(text.into());
+        }
+        if !is_placed && !tower.place(&printed, &standing, room, settings) {
             let [width_mm, depth_mm] = tower.size_mm;
             return Err(FitError::PrimeTower { width_mm, depth_mm }.into());
         }
@@ -130,9 +156,26 @@ impl Tooled {
             layer.insert(0, paths);
             layer.rams = rams;
         }
+        self.covered.extend(self.priming.iter().map(|priming| priming.covered.clone()));
         self.covered.push(tower.footprint());
         self.has_tower = true;
         Ok(())
+    }
+
+    /// Lines that prime all tools that print, clear of what is printed; `None`: none are wanted, or there is no room for them.
+    fn priming(
+        layers: &[LayerPaths],
+        printed: &Region,
+        site: &Site<'_>,
+        settings: &Settings,
+    ) -> Option<Priming> {
+        let mut used: Vec<ToolId> = turns(layers).collect();
+        let first = *used.first().filter(|_| settings.prime_tower.at_start)?;
+        used.sort_unstable();
+        used.dedup();
+        let order = priming::order(&used, first, settings);
+        let top_mm = layers.first()?.top_mm;
+        Priming::plan(order, top_mm, &site.widths_mm[0], printed, settings)
     }
 
     /// Lays the ooze shield, where one is wanted. It is a skirt, too.
@@ -151,9 +194,10 @@ impl Tooled {
         self.covered.extend(shield.covered().into_polygons());
     }
 
-    /// The tools of all layers, one after the other.
+    /// The tools of all layers, one after the other, and before them those that are primed.
     fn turns(&self) -> impl Iterator<Item = ToolId> {
-        self.layers.iter().flatten().flat_map(|layer| layer.tools.iter().copied())
+        let primed = self.priming.iter().flat_map(|priming| priming.tools.iter().copied());
+        primed.chain(self.layers.iter().flat_map(|layers| turns(layers)))
     }
 
     /// What header and scripts tell of them.
@@ -167,9 +211,15 @@ impl Tooled {
             used,
             changes: turns.windows(2).filter(|pair| pair[0] != pair[1]).count(),
             tower: self.has_tower,
+            primed: self.priming.is_some(),
             flushes_into_objects: self.flushes_into_objects,
         }
     }
+}
+
+/// The tools of layers, one after the other.
+fn turns(layers: &[LayerPaths]) -> impl Iterator<Item = ToolId> {
+    layers.iter().flat_map(|layer| layer.tools.iter().copied())
 }
 
 /// Everything that is printed, seen from above: around each object its hull, and all that lies on the bed.

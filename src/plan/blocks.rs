@@ -176,7 +176,7 @@ pub(crate) fn passes(layers: &[LayerPaths], blocks: &[Block]) -> Vec<Pass> {
             let pass = |layer: usize, laid: Laid| {
                 let is_below = is_later && layer < top;
                 let beside_mm = if is_below { layers[top].top_mm } else { 0.0 };
-                Pass { layer, of: Some((tool, laid)), turn: Turn { is_later, beside_mm } }
+                Pass { layer, of: Some((tool, laid)), turn: Turn { is_later, beside_mm, primes: false } }
             };
             let laid = if is_later { Laid::Objects } else { Laid::All };
             let tower = is_later.then(|| pass(top, Laid::Tower));

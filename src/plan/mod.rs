@@ -13,6 +13,7 @@ mod paint;
 pub(crate) mod parts;
 mod piece;
 pub(crate) mod planners;
+pub(crate) mod priming;
 mod rounded;
 pub(crate) mod sections;
 pub(crate) mod shield;

@@ -250,7 +250,7 @@ impl Tower {
 }
 
 /// Distance from all that is printed, millimetres.
-const CLEAR_MM: f64 = 3.0;
+pub(super) const CLEAR_MM: f64 = 3.0;
 /// Distance from the edge of the bed, where start scripts prime, millimetres.
 const EDGE_MM: f64 = 6.0;
 /// Places are looked for so far apart, millimetres.

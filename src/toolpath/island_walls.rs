@@ -170,7 +170,7 @@ impl WallPlanner<'_> {
             let phase = if count > 0 { wall(0) } else { Phase::Inside };
             layer.dot(phase, 0, filled_mm2, polygon, self.walls);
         }
-        IslandWalls { paths: layer.paths, inside }
+        IslandWalls { paths: layer.paths, inside, meets_others: false }
     }
 
     /// Changes the walls of an island so that the layer beneath holds them.

@@ -16,6 +16,8 @@ pub struct IslandWalls {
     pub paths: Vec<Path>,
     /// What lies inside the innermost: the fill area.
     pub inside: Region,
+    /// Whether another tool's part of the object is beside it.
+    pub meets_others: bool,
 }
 
 impl IslandWalls {

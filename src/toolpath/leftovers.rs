@@ -13,7 +13,7 @@ use super::path::Path;
 const SMALLEST_MM2: f64 = 0.02;
 
 /// What is narrower is no part of them, mm: a bead's ends, which do not reach into tips, hold what is open there.
-const NARROWEST_MM: f64 = 0.06;
+const NARROWEST_MM: f64 = 0.1;
 
 /// Flatter turns leave nothing open beside them: cosine of 15°.
 const FLAT: f64 = 0.966;

@@ -363,5 +363,7 @@ section! {
         brim: Mm = Mm(3.0); 0.0..=50.0,
         /// Distance of the lines where a layer flushes nothing.
         line_distance: Mm = Mm(2.5); 0.5..=20.0,
+        /// Before the first layer, load and flush each tool that prints at the front edge of the bed, or at the back edge: the start script is told, which then primes none.
+        at_start: bool = false,
     }
 }

@@ -221,6 +221,8 @@ pub struct Turn {
     /// Top of what stands beside it already, without Z offset, over which the nozzle passes from island to island, millimetres;
     /// 0: nothing is higher.
     pub beside_mm: f64,
+    /// Whether its tools are primed in it, before all layers; the first of them is loaded then.
+    pub primes: bool,
 }
 
 impl LayerPaths {

@@ -287,7 +287,11 @@ impl Planner {
             let others = object.tool.map(|tool| beside(object, tool, section)).unwrap_or_default();
             if !others.is_empty() {
                 let borders = Borders::new(&others, section.height_mm);
-                walls.iter_mut().for_each(|walls| borders.fit(&mut walls.paths));
+                for (polygon, walls) in object.section.polygons().iter().zip(&mut walls) {
+                    let shared = geometry::intersection(&others, &Region::from(polygon.clone()));
+                    walls.meets_others = !shared.is_empty();
+                    borders.fit(&mut walls.paths);
+                }
             }
             islands.extend(walls);
         }
@@ -315,13 +319,11 @@ impl Planner {
             let support_below = object.beneath.map(Beneath::new);
             let part = Part { object, support_below, hollow: self.hollow(object, section) };
             layer.tool = object.tool;
-            let others = object.tool.map(|tool| beside(object, tool, section)).unwrap_or_default();
             for (polygon, walls) in object.section.polygons().iter().zip(walls.by_ref()) {
                 layer.island = Some(IslandId(islands.len() as u32));
                 let support_below = part.support_below.as_ref().filter(|_| is_even);
                 let repeats = support_below.is_some_and(|support_below| support_below.has(polygon));
-                let meets_others = !others.is_empty()
-                    && !geometry::intersection(&others, &Region::from(polygon.clone())).is_empty();
+                let meets_others = walls.meets_others;
                 islands.push(Island { object: object.object, repeats, meets_others });
                 self.island(&mut layer, polygon, walls, &part, section);
             }
@@ -374,7 +376,7 @@ impl Planner {
     ) {
         let Part { object, support_below, hollow } = part;
         let widths = &self.widths(section.index);
-        let IslandWalls { paths, inside } = walls;
+        let IslandWalls { paths, inside, .. } = walls;
         let inside = object.filled(inside);
         let first = layer.paths.len();
         let tool = layer.tool;

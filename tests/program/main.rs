@@ -19,6 +19,7 @@ mod live;
 mod materials;
 mod modifiers;
 mod package;
+mod priming;
 mod print;
 mod print_assembly;
 mod print_floating;

@@ -103,6 +103,19 @@ fn the_nozzle_rises_at_an_angle_while_it_travels() {
 }
 
 #[test]
+fn the_nozzle_rises_no_steeper_outside_the_part_where_it_need_not_be_up_there() {
+    let sets = ["retract.z_hop=0.6", "retract.z_hop_slope=5", "retract.z_hop_before_leaving=false"];
+    let strokes = print("pin_forest", &standard(&sets)).strokes();
+    let travels = strokes.iter().filter(|stroke| !stroke.extrudes() && stroke.to[2] > stroke.from[2]);
+    let (level, upright): (Vec<&Stroke>, Vec<&Stroke>) = travels.partition(|stroke| stroke.xy_mm > 0.0);
+    let degrees = |stroke: &Stroke| ((stroke.to[2] - stroke.from[2]) / stroke.xy_mm).atan().to_degrees();
+    let steeper = level.iter().filter(|stroke| degrees(stroke) > 5.1).count();
+    // Where a layer begins, the nozzle has to be above it.
+    assert!(20 * steeper < level.len(), "{steeper} of {}", level.len());
+    assert!(level.len() > 10 * upright.len(), "{} of {}", upright.len(), level.len());
+}
+
+#[test]
 fn short_layers_have_more_fan() {
     let fan = [
         "cooling.fan=20%",

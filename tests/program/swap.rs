@@ -10,7 +10,7 @@ use pathwright::profile::{self, Settings};
 use pathwright::units::Mm;
 
 /// A printer whose filament is parked 80 mm behind the nozzle, behind a tube of 20 mm around 40 mm.
-const SWAPPING: [&str; 12] = [
+pub const SWAPPING: [&str; 12] = [
     "swap.parking=80",
     "swap.extra_load=-20",
     "swap.cooling_tube=40",

@@ -58,6 +58,28 @@ fn tools_that_come_again_soon_stay_hot_so_that_scripts_which_wait_before_they_ta
 }
 
 #[test]
+fn tools_are_heated_before_the_change_of_another_where_the_time_for_it_falls_into_that() {
+    let folder = tempfile::tempdir().unwrap();
+    let idle =
+        ["tools.1.idle_temperature=100", "tools.2.idle_temperature=100", "tools.3.idle_temperature=100"];
+    let sets = [
+        "tool_change.kind=tool-changer",
+        "tool_change.time=20",
+        "tool_change.ahead=0",
+        "tool_change.script=M109 S{temperature[next_extruder]} T[next_extruder]\nT[next_extruder]",
+        "cooling.min_layer_time=0",
+        "skirt.loops=0",
+    ];
+    let base = several(3, &[&sets[..], &idle].concat());
+    let third = ("third", [40.0, 0.0, 0.0], [50.0, 20.0, 3.0]);
+    let job = with_tools(boxes(&folder, &[LEFT, RIGHT, third]), &base, &[("right", 2), ("third", 3)]);
+    let print = run(&job, &base).expect("a print");
+    let said = print.summary.total.total_s;
+    let timed = file_time(&print.text, &Machine::new(&base)).0;
+    assert!((said / timed - 1.0).abs() < 0.01, "{said}, timed {timed}");
+}
+
+#[test]
 fn a_tool_that_cools_down_is_heated_in_the_layers_before_as_long_as_that_takes() {
     let folder = tempfile::tempdir().unwrap();
     // Layers of some 6 s; the second tool prints a belt high up, and takes 60 s to be hot.

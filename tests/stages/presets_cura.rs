@@ -111,6 +111,78 @@ fn a_machine_has_its_nozzle_qualities_and_materials() {
     assert_eq!(fine.config.number("layer_height"), Some(0.1));
 }
 
+const DUAL: &[(&str, &str)] = &[
+    (
+        "definitions/dual.def.json",
+        r#"{"name": "Dual", "inherits": "maker_base", "metadata": {"visible": true, "quality_definition": "maker_base",
+"machine_extruder_trains": {"0": "dual_left", "1": "dual_right"}}, "overrides": {"machine_extruder_count": {"default_value": 2},
+"material_standby_temperature": {"default_value": 150}, "prime_tower_enable": {"default_value": true},
+"prime_tower_size": {"default_value": 25}, "support_extruder_nr": {"default_value": 1}, "wall_extruder_nr": {"default_value": -1},
+"machine_start_gcode": {"default_value": "M104 T1 S{material_print_temperature, 1}\nT{initial_extruder_nr}"}}}"#,
+    ),
+    (
+        "extruders/dual_left.def.json",
+        r#"{"name": "L", "inherits": "fdmextruder", "overrides": {"material_diameter": {"default_value": 1.75},
+"machine_nozzle_offset_x": {"default_value": 0}, "machine_extruder_end_code": {"default_value": ""},
+"machine_extruder_start_code": {"default_value": "G1 X5 ; left\nG1 X6"}}}"#,
+    ),
+    (
+        "extruders/dual_right.def.json",
+        r#"{"name": "R", "inherits": "fdmextruder", "overrides": {"extruder_nr": {"default_value": 1},
+"material_diameter": {"default_value": 1.75}, "machine_nozzle_offset_x": {"default_value": 18},
+"machine_extruder_start_code": {"default_value": "G1 X7 ; right"}, "machine_extruder_end_code": {"default_value": "G1 X8"},
+"speed_print": {"default_value": 40}}}"#,
+    ),
+];
+
+#[test]
+fn a_machine_with_several_extruders_has_the_settings_of_each() {
+    let (_folder, library) = presets(DUAL);
+    let config = library.choose("Dual", None, None).unwrap().config;
+    assert_eq!(config.extruders(), 2);
+    let said = |extruder: usize, key: &str| config.of_extruder(extruder).text(key).map(str::to_owned);
+    for (key, values) in [
+        ("nozzle_diameter", ["0.4", "0.4"]),
+        ("extruder_offset", ["0x0", "18x0"]),
+        ("idle_temperature", ["150", "150"]),
+        ("support_material_extruder", ["2", "2"]),
+        ("perimeter_extruder", ["0", "0"]),
+        ("wipe_tower", ["1", "1"]),
+        ("wipe_tower_width", ["25", "25"]),
+    ] {
+        assert_eq!(
+            [0, 1].map(|extruder| said(extruder, key)),
+            values.map(|value| Some(value.into())),
+            "{key}"
+        );
+    }
+    assert_eq!(
+        [0, 1].map(|extruder| config.of_extruder(extruder).script("start_filament_gcode")),
+        ["G1 X5 ; left\nG1 X6\n", "G1 X7 ; right\n"]
+    );
+    assert_eq!(config.of_extruder(1).script("end_filament_gcode"), "G1 X8\n");
+    assert_eq!(config.script("start_gcode"), "M104 T1 S{material_print_temperature[1]}\nT{initial_tool}\n");
+    assert_eq!(
+        (config.raw["extruder_nr"].value.as_str(), config.raw["speed_print"].value.as_str()),
+        ("0,1", "80,40")
+    );
+}
+
+#[test]
+fn a_machine_that_uses_one_of_its_extruders_has_one() {
+    let one = DUAL[0].1.replace(
+        r#""machine_extruder_count": {"default_value": 2}"#,
+        r#""machine_extruder_count": {"default_value": 1}"#,
+    );
+    let (_folder, library) = presets(&[(DUAL[0].0, &one), DUAL[1], DUAL[2]]);
+    let config = library.choose("Dual", None, None).unwrap().config;
+    assert_eq!(
+        (config.extruders(), config.text("wipe_tower"), config.text("extruder_offset")),
+        (1, None, None)
+    );
+    assert_eq!(config.script("start_gcode"), "M104 T1 S{material_print_temperature}\nT{initial_tool}\n");
+}
+
 #[test]
 fn files_in_memory_are_as_good_as_a_folder() {
     let (folder, library) = presets(&[]);

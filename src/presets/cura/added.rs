@@ -1,4 +1,4 @@
-//! Machines that a user has added to Cura: a stack of containers for the machine, and one for its first extruder.
+//! Machines that a user has added to Cura: a stack of containers for the machine, and one for each of its extruders.
 
 use super::instance::Instance;
 
@@ -18,7 +18,7 @@ pub(super) enum Slot {
 /// How many containers a stack has that knows intents.
 const WITH_INTENT: usize = 8;
 
-/// A machine that a user has added.
+/// A machine that a user has added, with one of its extruders.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Added<'a> {
     pub machine: &'a Instance,
@@ -29,14 +29,18 @@ impl<'a> Added<'a> {
     /// Those among stacks, in the order of their files. A group of machines in a network has one that is shown.
     pub fn all(stacks: &'a [Instance]) -> impl Iterator<Item = Self> {
         let machines = stacks.iter().filter(|stack| stack.about("type") == "machine");
-        machines.filter(|stack| stack.about("hidden") != "True").map(|machine| {
-            let is_first = |stack: &&Instance| {
-                stack.about("type") == "extruder_train"
-                    && stack.about("machine") == machine.id
-                    && stack.about("position") == "0"
-            };
-            Self { machine, extruder: stacks.iter().find(is_first) }
-        })
+        let shown = machines.filter(|stack| stack.about("hidden") != "True");
+        shown.map(|machine| Self { machine, extruder: None }.of_extruder(stacks, 0))
+    }
+
+    /// The same with another extruder, counted from 0.
+    pub fn of_extruder(self, stacks: &'a [Instance], extruder: usize) -> Self {
+        let is_wanted = |stack: &&Instance| {
+            stack.about("type") == "extruder_train"
+                && stack.about("machine") == self.machine.id
+                && stack.about("position") == extruder.to_string()
+        };
+        Self { extruder: stacks.iter().find(is_wanted), ..self }
     }
 
     /// The containers at a place of the machine's stack and then of its extruder's, by their ids.

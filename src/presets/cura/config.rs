@@ -7,7 +7,7 @@ use super::stack::Stack;
 use super::table;
 use crate::presets::config::{Config, Dialect, Place};
 use crate::presets::keys;
-use crate::presets::value::{Scalar, Shape, Type, escaped, join_texts};
+use crate::presets::value::{Scalar, Shape, Type, escaped, join_texts, unescaped};
 
 /// The configuration that settings amount to.
 pub(super) fn config(stack: &Stack) -> Config {
@@ -19,6 +19,9 @@ pub(super) fn config(stack: &Stack) -> Config {
         }
         told.insert(*theirs);
         if let Some(value) = table::said(rule, theirs, stack) {
+            let is_one_of_several = matches!(rule, table::Rule::Script)
+                && keys::key_type(key).is_some_and(|kind| kind.shape == Shape::Each);
+            let value = if is_one_of_several { join_texts(&[unescaped(&value)]) } else { value };
             let place = stack.own_place(theirs).cloned().unwrap_or_else(|| Place::built_in(Dialect::Cura));
             config.set(key, &value, place);
         }

@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::added::Added;
 use super::config::config;
 use super::instance::Instance;
-use super::presets::{Cura, OWN, SET, is_of_diameter};
+use super::presets::{Cura, OWN, Resolved, SET, is_of_diameter};
+use super::several;
 use super::stack::Stack;
 use super::table;
 use crate::presets::config::{Config, Dialect, Place};
@@ -155,13 +156,31 @@ impl Family for Cura {
 
     fn resolve(&self, printer: &str, print: &str, filament: &str) -> Result<Config, PresetError> {
         let machine = self.machine(printer)?;
-        let mut stack = self.stack(&machine)?;
-        let loaded = self.loaded(&machine)?.filter(|loaded| loaded.name == filament);
-        let material = match loaded {
+        let extruders = self.extruders(&machine)?;
+        let is_loaded = self.loaded(&machine)?.is_some_and(|loaded| loaded.name == filament);
+        let own = extruders
+            .iter()
+            .map(|own| self.of_extruder(own, [printer, print, filament], is_loaded, extruders.len()));
+        Ok(several::joined(own.collect::<Result<_, _>>()?))
+    }
+}
+
+impl Cura {
+    /// What the presets of these names amount to for one of so many extruders; `is_loaded`: each has the filament that is in it.
+    fn of_extruder(
+        &self,
+        machine: &Resolved<'_>,
+        [printer, print, filament]: [&str; 3],
+        is_loaded: bool,
+        extruders: usize,
+    ) -> Result<Config, PresetError> {
+        let mut stack = self.stack(machine)?;
+        stack.extruders = extruders;
+        let material = match self.loaded(machine)?.filter(|_| is_loaded) {
             Some(loaded) => loaded,
             None => self.material(filament, stack.number("material_diameter"))?,
         };
-        self.with(&mut stack, &machine, print, material)?;
+        self.with(&mut stack, machine, print, material)?;
         let mut config = config(&stack);
         let place = Place::new(material.file.clone(), 1, material.name.as_str());
         let about = |key: &str| Some(material.about(key)).filter(|text| !text.is_empty());
@@ -173,14 +192,14 @@ impl Family for Cura {
         }
         let text = Type { scalar: Scalar::Text, shape: Shape::One };
         let number = Type { scalar: Scalar::Integer, shape: Shape::One };
-        for name in table::OF_EXTRUDERS {
-            config.set_raw(name, "0", Some(number));
+        for (name, extruder) in table::OF_EXTRUDERS.into_iter().zip([0, machine.extruder]) {
+            config.set_raw(name, &extruder.to_string(), Some(number));
         }
         for (key, name) in [("printer_settings_id", printer), ("print_settings_id", print)] {
             config.set(key, &escaped(name), Place::new(machine.machine.file.clone(), 1, printer));
             config.set_raw(key, &escaped(name), Some(text));
         }
-        config.set("filament_settings_id", &join_texts(&[filament]), place);
+        config.set("filament_settings_id", &join_texts(&[&material.name]), place);
         Ok(config)
     }
 }

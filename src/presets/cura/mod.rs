@@ -1,4 +1,4 @@
-//! Cura's machines, qualities and materials, as far as one extruder goes.
+//! Cura's machines, qualities and materials, with all extruders of a machine.
 //!
 //! A machine is a definition (`.def.json`) on top of those it inherits from, its extruder's, its preferred nozzle; or one that a user
 //! has added, with the user's nozzle and changes. Print presets are the qualities that its definition has, and what users made of
@@ -16,6 +16,7 @@ mod profile;
 mod project;
 mod said;
 mod script;
+mod several;
 mod stack;
 mod table;
 

@@ -33,13 +33,16 @@ pub(in crate::presets) struct Cura {
     pub(super) listed: [OnceLock<Vec<Listed>>; 3],
 }
 
-/// A machine with all that it inherits.
+/// A machine with all that it inherits, and one of its extruders.
+#[derive(Clone)]
 pub(super) struct Resolved<'a> {
     pub machine: &'a Machine,
     /// From the machine down to the bottom.
     chain: Vec<(&'a str, &'a Definition)>,
     /// What a user has made of it.
     pub added: Option<Added<'a>>,
+    /// Which of its extruders is looked at, from 0.
+    pub extruder: usize,
 }
 
 /// What a print preset comes to.
@@ -105,7 +108,25 @@ impl Cura {
         machine: &'a Machine,
         added: Option<Added<'a>>,
     ) -> Result<Resolved<'a>, PresetError> {
-        Ok(Resolved { machine, chain: self.chain(machine, |id| self.folder.machine(id))?, added })
+        Ok(Resolved {
+            machine,
+            chain: self.chain(machine, |id| self.folder.machine(id))?,
+            added,
+            extruder: 0,
+        })
+    }
+
+    /// The same machine, with each of its extruders.
+    pub(super) fn extruders<'a>(&'a self, machine: &Resolved<'a>) -> Result<Vec<Resolved<'a>>, PresetError> {
+        let stacks = self.folder.stacks()?;
+        let of = |extruder: usize| {
+            let added = machine.added.map(|added| added.of_extruder(stacks, extruder));
+            Resolved { added, extruder, ..machine.clone() }
+        };
+        let known = machine.about("machine_extruder_trains").and_then(serde_json::Value::as_object);
+        let count = self.stack(machine)?.number("machine_extruder_count").unwrap_or(1.0);
+        let count = (count as usize).min(known.map_or(1, serde_json::Map::len)).max(1);
+        Ok((0..count).map(of).collect())
     }
 
     /// A definition and all that it inherits from, the last one first.
@@ -144,7 +165,8 @@ impl Cura {
             stack.add_definition(&definition.settings, definition.inherits.is_some());
         }
         let trains = machine.about("machine_extruder_trains").and_then(serde_json::Value::as_object);
-        let train = trains.and_then(|trains| trains.get("0")).and_then(serde_json::Value::as_str);
+        let number = machine.extruder.to_string();
+        let train = trains.and_then(|trains| trains.get(&number)).and_then(serde_json::Value::as_str);
         let train = machine.added.and_then(|added| added.at(Slot::Definition).nth(1)).or(train);
         if let Some(extruder) = train.and_then(|id| self.folder.extruder(id)) {
             // What extruders inherit from may lie among the machines.
@@ -202,7 +224,7 @@ impl Cura {
         }))
     }
 
-    /// What users have made of qualities, for a machine: changes that have one name belong together, those of its first extruder after
+    /// What users have made of qualities, for a machine: changes that have one name belong together, those of its extruder after
     /// those of the machine.
     pub(super) fn profiles<'a>(
         &'a self,
@@ -219,7 +241,10 @@ impl Cura {
         let mut all: Vec<&Instance> = of_all
             .filter(|changes| names.contains(changes.name.as_str()))
             .filter(|changes| changes.definition == definition || changes.definition == BOTTOM)
-            .filter(|changes| matches!(changes.about("position"), "" | "0"))
+            .filter(|changes| {
+                let position = changes.about("position");
+                position.is_empty() || position == machine.extruder.to_string()
+            })
             .collect();
         all.sort_by_key(|changes| !changes.about("position").is_empty());
         Ok(all)

@@ -1,7 +1,8 @@
 //! Scripts: names in braces are placeholders, all else is text; in the words of our scripts.
 
 /// Names that Cura has for others.
-const RENAMED: [(&str, &str); 3] = [
+const RENAMED: [(&str, &str); 4] = [
+    ("initial_extruder_nr", "{initial_tool}"),
     ("print_bed_temperature", "{material_bed_temperature}"),
     ("print_temperature", "{material_print_temperature}"),
     ("travel_speed", "{speed_travel}"),
@@ -14,8 +15,9 @@ const WHEN: [(&str, &str); 3] = [
     ("day", ""),
 ];
 
-/// A script for one extruder. A placeholder for nothing that is known stays as text where it stands in a comment.
-pub(super) fn translated(script: &str, is_known: impl Fn(&str) -> bool) -> String {
+/// A script; `has_several`: settings have a value for each extruder. A placeholder for nothing that is known stays as text where it
+/// stands in a comment.
+pub(super) fn translated(script: &str, has_several: bool, is_known: impl Fn(&str) -> bool) -> String {
     let mut out = String::with_capacity(script.len());
     for line in script.split_inclusive('\n') {
         let mut rest = line;
@@ -25,7 +27,7 @@ pub(super) fn translated(script: &str, is_known: impl Fn(&str) -> bool) -> Strin
             let end = rest[at..].find('}').map(|length| at + length);
             match (&rest[at..=at], end) {
                 ("{", Some(end)) => {
-                    out += &placeholder(&rest[at + 1..end], in_comment, &is_known);
+                    out += &placeholder(&rest[at + 1..end], has_several, in_comment, &is_known);
                     rest = &rest[end + 1..];
                     continue;
                 }
@@ -43,8 +45,16 @@ pub(super) fn translated(script: &str, is_known: impl Fn(&str) -> bool) -> Strin
 }
 
 /// What stands between braces: a name, or that of an extruder (`name, 1`); conditions and sums are as ours.
-fn placeholder(inside: &str, in_comment: bool, is_known: &impl Fn(&str) -> bool) -> String {
-    let name = inside.split(',').next().unwrap_or_default().trim();
+fn placeholder(
+    inside: &str,
+    has_several: bool,
+    in_comment: bool,
+    is_known: &impl Fn(&str) -> bool,
+) -> String {
+    let mut parts = inside.split(',').map(str::trim);
+    let name = parts.next().unwrap_or_default();
+    // That of another extruder than the one in use.
+    let number = parts.next().filter(|number| has_several && number.parse::<usize>().is_ok());
     let is_name = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !is_name || matches!(name, "else" | "endif") {
         return format!("{{{inside}}}");
@@ -55,7 +65,11 @@ fn placeholder(inside: &str, in_comment: bool, is_known: &impl Fn(&str) -> bool)
     if let Some(ours) = meant(&RENAMED).or_else(|| meant(&WHEN)) {
         return ours;
     }
-    if in_comment && !is_known(name) { text(&format!("{{{inside}}}")) } else { format!("{{{name}}}") }
+    match number {
+        _ if in_comment && !is_known(name) => text(&format!("{{{inside}}}")),
+        Some(number) => format!("{{{name}[{number}]}}"),
+        None => format!("{{{name}}}"),
+    }
 }
 
 /// Text as it stands, whatever is in it.
@@ -99,11 +113,13 @@ mod tests {
             ("{if material_bed_temperature > 50}M190{else}M191{endif}", "M190"),
         ] {
             assert_eq!(
-                expand(&translated(script, known), &Known, &mut State::default()).unwrap(),
+                expand(&translated(script, false, known), &Known, &mut State::default()).unwrap(),
                 expanded,
                 "{script}"
             );
         }
-        assert!(expand(&translated("G1 F{no_such_speed}", known), &Known, &mut State::default()).is_err());
+        assert!(
+            expand(&translated("G1 F{no_such_speed}", false, known), &Known, &mut State::default()).is_err()
+        );
     }
 }

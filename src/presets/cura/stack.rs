@@ -13,6 +13,8 @@ const DEEPEST: usize = 100;
 /// Settings, those on top over those beneath.
 #[derive(Debug, Default)]
 pub(super) struct Stack {
+    /// How many extruders the machine has; 0: that does not matter.
+    pub extruders: usize,
     settings: BTreeMap<String, Said>,
     /// Those that not the slicer's own definitions said, but the machine or what it is used with.
     own: BTreeMap<String, ()>,

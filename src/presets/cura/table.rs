@@ -55,6 +55,39 @@ pub(super) const TABLE: &[(&str, &str, Rule)] = &[
     ("machine_firmware_retract", "use_firmware_retraction", Flag),
     ("relative_extrusion", "use_relative_e_distances", Flag),
     ("gantry_height", "extruder_clearance_height", By(|s| limit(s, "gantry_height"))),
+    ("machine_nozzle_offset_x", "extruder_offset", By(nozzle_offset)),
+    (
+        "machine_extruders_share_nozzle",
+        "single_extruder_multi_material",
+        By(|s| of_several(s).map(|s| word(s, "machine_extruders_share_nozzle", "1", "0"))),
+    ),
+    ("extruder_nr", "ooze_prevention", By(|s| standby(s).map(|_| "1".into()))),
+    ("material_standby_temperature", "idle_temperature", By(|s| standby(s).map(written))),
+    (
+        "switch_extruder_retraction_amount",
+        "retract_length_toolchange",
+        By(|s| number_of_several(s, "switch_extruder_retraction_amount")),
+    ),
+    (
+        "switch_extruder_extra_prime_amount",
+        "retract_restart_extra_toolchange",
+        By(|s| number_of_several(s, "switch_extruder_extra_prime_amount")),
+    ),
+    ("wall_extruder_nr", "perimeter_extruder", By(|s| extruder(s, "wall_extruder_nr"))),
+    ("infill_extruder_nr", "infill_extruder", By(|s| extruder(s, "infill_extruder_nr"))),
+    ("top_bottom_extruder_nr", "solid_infill_extruder", By(|s| extruder(s, "top_bottom_extruder_nr"))),
+    ("support_extruder_nr", "support_material_extruder", By(|s| extruder(s, "support_extruder_nr"))),
+    (
+        "support_interface_extruder_nr",
+        "support_material_interface_extruder",
+        By(|s| extruder(s, "support_interface_extruder_nr")),
+    ),
+    (
+        "prime_tower_enable",
+        "wipe_tower",
+        By(|s| of_several(s).map(|s| word(s, "prime_tower_enable", "1", "0"))),
+    ),
+    ("prime_tower_size", "wipe_tower_width", By(|s| number_of_several(s, "prime_tower_size"))),
     ("material_diameter", "filament_diameter", Same),
     (
         "material_flow",
@@ -201,6 +234,33 @@ fn limit(stack: &Stack, key: &str) -> Option<String> {
     stack.number(key).filter(|limit| *limit < ENDLESS).map(written)
 }
 
+/// The settings, where the machine has several extruders.
+fn of_several(stack: &Stack) -> Option<&Stack> {
+    (stack.extruders > 1).then_some(stack)
+}
+
+fn number_of_several(stack: &Stack, key: &str) -> Option<String> {
+    of_several(stack)?.number(key).map(written)
+}
+
+/// An extruder for a role, which they count from 0, and -1 is whichever the object has.
+fn extruder(stack: &Stack, key: &str) -> Option<String> {
+    of_several(stack)?.number(key).map(|number| written((number + 1.0).max(0.0)))
+}
+
+/// What a nozzle of its own cools down to while others print, °C.
+fn standby(stack: &Stack) -> Option<f64> {
+    let own = of_several(stack).filter(|stack| !stack.is_on("machine_extruders_share_nozzle"))?;
+    own.number("material_standby_temperature").filter(|celsius| *celsius > 0.0)
+}
+
+fn nozzle_offset(stack: &Stack) -> Option<String> {
+    let is_applied = of_several(stack)?.value("machine_use_extruder_offset_to_offset_coords");
+    let is_applied = is_applied.map_or(true, |value| value.holds());
+    let mm = |key| if is_applied { stack.number(key).unwrap_or(0.0) } else { 0.0 };
+    Some(format!("{}x{}", written(mm("machine_nozzle_offset_x")), written(mm("machine_nozzle_offset_y"))))
+}
+
 /// How many points the outline of a round bed is made of.
 const POINTS: u32 = 72;
 
@@ -281,7 +341,7 @@ fn fan_off_layers(stack: &Stack) -> Option<String> {
     Some(if is_off { "1".into() } else { "0".into() })
 }
 
-/// Names of scripts that are no settings.
+/// Names of scripts that are no settings: of the extruder that begins, and of the one in use.
 pub(super) const OF_EXTRUDERS: [&str; 2] = ["initial_extruder_nr", "extruder_nr"];
 
 /// What a row of the table says.
@@ -292,7 +352,7 @@ pub(super) fn said(rule: &Rule, key: &str, stack: &Stack) -> Option<String> {
         Share => written(stack.number(key)?) + "%",
         Script => {
             let is_known = |name: &str| stack.place(name).is_some() || OF_EXTRUDERS.contains(&name);
-            escaped(&script::translated(&stack.text(key), is_known))
+            escaped(&script::translated(&stack.text(key), stack.extruders > 1, is_known))
         }
         Words(words) => {
             let theirs = stack.text(key);
@@ -321,6 +381,8 @@ pub(super) const IDLE: &[&str] = &[
     "machine_center_is_zero",
     "machine_depth",
     "machine_extruder_count",
+    "machine_extruders_share_heater",
+    "machine_nozzle_offset_y",
     "machine_heated_bed",
     "machine_heated_build_volume",
     "machine_shape",

@@ -718,6 +718,13 @@ pub(super) fn z_hop_slope(config: &Config) -> Outcome {
     }
 }
 
+pub(super) fn z_hop_before_leaving(config: &Config) -> Outcome {
+    match overridden_flag(config, "travel_ramping_lift") {
+        true => flag(overridden_flag(config, "travel_lift_before_obstacle")),
+        false => Idle,
+    }
+}
+
 pub(super) fn layer_change(config: &Config) -> Outcome {
     flag(overridden_flag(config, "retract_layer_change"))
 }

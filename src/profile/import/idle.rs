@@ -100,8 +100,6 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
     // So anyway.
     ("clip_multipart_objects", At(&["1"])),
     ("ensure_vertical_shell_thickness", At(&["enabled", "partial", "1"])),
-    ("filament_travel_lift_before_obstacle", Always),
-    ("travel_lift_before_obstacle", Always),
     ("extrusion_axis", At(&["E"])),
     ("ironing_type", At(&["top"])),
     ("ironing_type", Without("ironing")),

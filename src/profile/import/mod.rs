@@ -324,6 +324,7 @@ mod tests {
         let known = [
             ("z_hop", "0.6"),
             ("z_hop_slope", "1.0"),
+            ("z_hop_before_leaving", "false"),
             ("layer_change", "false"),
             ("before_wipe", "0.8"),
             ("z_hop_below", "199.0"),

@@ -185,6 +185,10 @@ pub(super) fn tower(config: &Config) -> Outcome {
     of_several(config, || config.flag("wipe_tower").map(Value::Boolean))
 }
 
+pub(super) fn primed(config: &Config) -> Outcome {
+    flag(config, "single_extruder_multi_material_priming")
+}
+
 pub(super) fn tower_width(config: &Config) -> Outcome {
     number(config, "wipe_tower_width")
 }

@@ -453,6 +453,17 @@ pub(super) const ROWS: &[Row] = &[
         c::z_hop_slope,
     ),
     with(
+        "retract.z_hop_before_leaving",
+        &[
+            "filament_travel_lift_before_obstacle",
+            "travel_lift_before_obstacle",
+            "filament_travel_ramping_lift",
+            "travel_ramping_lift",
+        ],
+        "where the lift is a ramp",
+        c::z_hop_before_leaving,
+    ),
+    with(
         "retract.wipe",
         &["filament_wipe", "wipe"],
         "as far as the nozzle gets at 0.8 of the travel speed while pulling back",
@@ -676,6 +687,12 @@ pub(super) const ROWS: &[Row] = &[
         &["wipe_tower_bridging"],
         "of several extruders",
         t::tower_line_distance,
+    ),
+    with(
+        "prime_tower.at_start",
+        &["single_extruder_multi_material_priming"],
+        "of several extruders",
+        t::primed,
     ),
     with("gcode.filament_start", &["start_filament_gcode"], SCRIPT, c::filament_start),
     with("gcode.before_layer", &["before_layer_gcode"], SCRIPT, c::before_layer),

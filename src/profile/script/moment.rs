@@ -291,7 +291,7 @@ names! {
     "total_wipe_tower_cost", "price of a wipe tower: there is none": |_| Some(Value::Real(0.0));
     "total_wipe_tower_filament", "filament of a wipe tower, m": |_| Some(Value::Real(0.0));
     "has_wipe_tower", "whether there is a prime tower": |c| Some(Value::Flag(c.print.tools.tower));
-    "has_single_extruder_multi_material_priming", "whether several materials are primed": |_| Some(Value::Flag(false));
+    "has_single_extruder_multi_material_priming", "whether all tools are primed before the first layer": |c| Some(Value::Flag(c.print.tools.primed));
     "num_extruders", "extruders of the printer": |c| Some(whole(extruders(c.settings)));
     "num_printing_extruders", "extruders that print": |c| Some(whole(c.print.tools.used.len().max(1)));
     "initial_tool", "the first tool": |c| Some(whole(c.first()));
