@@ -27,7 +27,7 @@ fn from_front(corners: &[[f32; 3]]) -> Vec<[f64; 2]> {
     let seen = |[i, j]: [usize; 2]| corners.iter().map(move |c| [f64::from(c[i]), f64::from(c[j])]);
     let views = [[1, 2], [2, 0], [0, 1]];
     let areas = views.map(|view| {
-        let [first, last] = [seen(view).next(), seen(view).last()].map(Option::unwrap_or_default);
+        let [first, last] = [seen(view).next(), seen(view).next_back()].map(Option::unwrap_or_default);
         let from = |[x, y]: [f64; 2]| [x - first[0], y - first[1]];
         let sides = std::iter::once(last).chain(seen(view)).map(from).zip(seen(view).map(from));
         sides.map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()

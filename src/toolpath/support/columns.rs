@@ -102,7 +102,7 @@ pub(super) fn pads(held: &[Bitmap], solid: &[&Bitmap], spec: &ColumnSpec) -> Vec
 /// The cells too near to the part.
 pub(super) fn kept_free(solid: &[&Bitmap], layer: usize, spec: &ColumnSpec) -> Bitmap {
     let mut free = solid[layer].grown(spec.gap_cells);
-    (1..=spec.gap_layers[layer].min(layer)).for_each(|down| free.add(&solid[layer - down]));
+    (1..=spec.gap_layers[layer].min(layer)).for_each(|down| free.add(solid[layer - down]));
     free
 }
 
