@@ -136,7 +136,7 @@ mod tests {
         let [polygon] = gap.area.polygons() else { panic!("{:?}", gap.area) };
         let reach = polygon.outer.iter().map(|point| point.mm()[0]).fold(f64::INFINITY, f64::min);
         assert!(
-            (0.75..1.75).contains(&reach),
+            (1.5..2.25).contains(&reach),
             "it begins at {reach} mm, where the wedge is {} mm wide",
             reach / 20.0
         );
