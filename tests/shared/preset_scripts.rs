@@ -182,6 +182,8 @@ pub fn filaments_are_taken_out_and_put_in_at_changes() {
         let chosen = library.choose(printer, Some(print), Some(filament)).unwrap_or_else(|e| panic!("{e}"));
         let settings = Settings::of_presets(&chosen.config).unwrap_or_else(|e| panic!("{printer}: {e}"));
         let settings = settings.set("tool_of.heights", "1-2:2").expect("a belt");
+        // Priming before the first layer changes tools, too.
+        let settings = settings.set("prime_tower.at_start", "false").expect("no priming");
         let plate = Plate::new(&settings).add(Mesh::read(&cube).expect("a cube")).expect("room");
         let sliced = Slicer::new(&settings).slice(&plate, &Observer::none()).expect("a print");
         let mut gcode = Vec::new();
