@@ -73,7 +73,7 @@ pub enum MeshError {
     NoFacets { path: PathBuf },
     #[error(
         "{}: the model has no volume ({:.3} × {:.3} × {:.3} mm, {}); a surface must be given a thickness \
-         before it can be printed", path.display(), size[0], size[1], size[2], super::report::facets(*facets)
+         before it can be printed", path.display(), size[0], size[1], size[2], super::report::counted(*facets, "facet", "facets")
     )]
     NoVolume { path: PathBuf, size: [f64; 3], facets: usize },
 }

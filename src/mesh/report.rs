@@ -86,7 +86,7 @@ impl fmt::Display for Repair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words = KINDS.iter().find(|(kind, ..)| *kind == self.kind);
         let (one, many) = words.map_or((self.kind, self.kind), |(_, one, many)| (one, many));
-        write!(f, "{} {}", self.count, if self.count == 1 { one } else { many })
+        f.write_str(&counted(self.count, one, many))
     }
 }
 
@@ -156,25 +156,24 @@ impl MeshReport {
     }
 }
 
-/// So many facets, in words.
-pub(super) fn facets(count: usize) -> String {
-    format!("{count} {}", if count == 1 { "facet" } else { "facets" })
+/// A number with the word for one or for several.
+pub(super) fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 impl fmt::Display for MeshReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z] = self.size_mm;
         let ([x0, y0, z0], [x1, y1, z1]) = (self.min_mm, self.max_mm);
-        writeln!(f, "format      {}, {}", self.format, facets(self.facets))?;
+        writeln!(f, "format      {}, {}", self.format, counted(self.facets, "facet", "facets"))?;
         writeln!(f, "size        {x:.3} × {y:.3} × {z:.3} mm")?;
         writeln!(f, "position    x {x0:.3} … {x1:.3}, y {y0:.3} … {y1:.3}, z {z0:.3} … {z1:.3} mm")?;
         writeln!(
             f,
-            "mesh        {} triangles, {} vertices, {} {}",
+            "mesh        {} triangles, {} vertices, {}",
             self.triangles,
             self.vertices,
-            self.shells,
-            if self.shells == 1 { "shell" } else { "shells" }
+            counted(self.shells, "shell", "shells")
         )?;
         writeln!(f, "volume      {:.3} cm³", self.volume_mm3 / 1000.0)?;
         writeln!(f, "surface     {:.3} cm²", self.area_mm2 / 100.0)?;

@@ -3,6 +3,7 @@
 mod paths;
 mod raft;
 
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -196,11 +197,15 @@ impl Sections {
                 || !geometry::offset(&Region::from(polygon.clone()), -thin_mm / 2.0).is_empty()
         };
         let beneath = supports::section(&self.layers[index - 1]);
-        let under: Vec<Under<'_>> =
-            std::iter::once(&beneath).chain(self.supports_under(index)).map(Under::new).collect();
+        let part = Under::new(&beneath);
+        let supports: LazyCell<Vec<Under<'_>>, _> =
+            LazyCell::new(|| self.supports_under(index).map(Under::new).collect());
         let islands = self.layers[index].sections.iter().flat_map(|section| section.region.polygons());
-        let begun =
-            islands.filter(|island| !under.iter().any(|under| under.carries(island)) && holds_line(island));
+        let begun = islands.filter(|island| {
+            !part.carries(island)
+                && !supports.iter().any(|support| support.carries(island))
+                && holds_line(island)
+        });
         begun.map(Polygon::area_mm2).collect()
     }
 

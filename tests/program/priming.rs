@@ -3,10 +3,10 @@
 use crate::support::found::{kinds, report};
 use crate::support::print::{Print, run};
 use crate::swap::SWAPPING;
-use crate::tools::{LEFT, RIGHT, boxes, pair, several, text, with_tools};
+use crate::tools::{LEFT, RIGHT, boxes, pair, several, text, timed_as_said, with_tools};
 use pathwright::check::Kind;
 use pathwright::estimate::Machine;
-use pathwright::gcode::{Action, file_time, replay};
+use pathwright::gcode::{Action, replay};
 
 const AT_START: &str = "prime_tower.at_start=true";
 
@@ -94,9 +94,7 @@ fn the_first_filament_is_taken_and_fed_where_it_is_primed() {
 #[test]
 fn priming_counts_in_the_summary_as_the_file_is_timed() {
     let (print, settings) = pair(&[&SWAPPING[..], &[AT_START]].concat());
-    let said = print.summary.total.total_s;
-    let timed = file_time(&print.text, &Machine::new(&settings)).0;
-    assert!((said / timed - 1.0).abs() < 0.01, "{said}, timed {timed}");
+    timed_as_said(&print, &Machine::new(&settings), 0.01);
 }
 
 #[test]

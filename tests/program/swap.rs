@@ -2,10 +2,10 @@
 
 use crate::support::found::{kinds, report};
 use crate::support::print::Print;
-use crate::tools::{pair, text};
+use crate::tools::{pair, text, timed_as_said};
 use pathwright::check::Kind;
 use pathwright::estimate::Machine;
-use pathwright::gcode::{Action, file_time, replay};
+use pathwright::gcode::{Action, replay};
 use pathwright::profile::{self, Settings};
 use pathwright::units::Mm;
 
@@ -131,8 +131,7 @@ fn pressure_advance_is_off_while_a_tip_is_shaped_and_on_again_for_the_next_one()
 #[test]
 fn what_a_swap_waits_counts_in_the_time_of_the_print_as_the_file_is_timed() {
     let (print, settings) = swapping(&["swap.delay=3", "swap.ramming_cooler=20"]);
-    let (said, timed) = (print.summary.total.total_s, file_time(&print.text, &Machine::new(&settings)).0);
-    assert!((said / timed - 1.0).abs() < 0.004, "{said}, timed {timed}");
+    timed_as_said(&print, &Machine::new(&settings), 0.004);
 }
 
 /// A tip is shaped by pushing out what has melted, faster than more melts; beads are no faster.

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::support::found::{kinds, report};
 use crate::support::print::{Print, run};
-use crate::tools::{LEFT, RIGHT, boxes, near, pair, several, text, volumes, with_tools};
+use crate::tools::{LEFT, RIGHT, boxes, near, pair, several, text, timed_as_said, volumes, with_tools};
 use pathwright::check::Kind;
 use pathwright::estimate::Machine;
 use pathwright::gcode::{Action, file_time, replay};
@@ -20,10 +20,8 @@ fn the_summary_counts_changes_waits_and_scripts_as_the_file_is_timed() {
         &["tool_change.kind=tool-changer", heated[0], heated[1], "tools.2.tool_change.time=4"],
     ] {
         let (print, settings) = pair(&[sets, &["tool_change.flush_volume=20"]].concat());
-        let said = print.summary.total.total_s;
         let machine = Machine::new(&settings);
-        let timed = file_time(&print.text, &machine).0;
-        assert!((said / timed - 1.0).abs() < 0.004, "{sets:?}: {said}, timed {timed}");
+        let timed = timed_as_said(&print, &machine, 0.004);
         let changes = print.summary.tool_changes as f64;
         // Neither changes nor what is waited for after them.
         let unheated = text(&print).replace("; tool_heating_rate", ";");
@@ -46,10 +44,8 @@ fn tools_that_come_again_soon_stay_hot_so_that_scripts_which_wait_before_they_ta
         "tool_change.script=M109 S{temperature[next_extruder]} T[next_extruder]\nT[next_extruder]",
     ]);
     assert!(text(&print).contains("\nM109 S210 T1\nT1\n"));
-    let said = print.summary.total.total_s;
     let machine = Machine::new(&settings);
-    let timed = file_time(&print.text, &machine).0;
-    assert!((said / timed - 1.0).abs() < 0.01, "{said}, timed {timed}");
+    let timed = timed_as_said(&print, &machine, 0.01);
     let unheated = text(&print).replace("; tool_heating_rate", ";");
     let waited = timed - file_time(unheated.as_bytes(), &Machine { heating_rate: 0.0, ..machine }).0;
     let changes = print.summary.tool_changes;
@@ -74,9 +70,7 @@ fn tools_are_heated_before_the_change_of_another_where_the_time_for_it_falls_int
     let third = ("third", [40.0, 0.0, 0.0], [50.0, 20.0, 3.0]);
     let job = with_tools(boxes(&folder, &[LEFT, RIGHT, third]), &base, &[("right", 2), ("third", 3)]);
     let print = run(&job, &base).expect("a print");
-    let said = print.summary.total.total_s;
-    let timed = file_time(&print.text, &Machine::new(&base)).0;
-    assert!((said / timed - 1.0).abs() < 0.01, "{said}, timed {timed}");
+    timed_as_said(&print, &Machine::new(&base), 0.01);
 }
 
 #[test]
@@ -378,7 +372,5 @@ fn layers_of_many_short_beads_are_waited_for_as_the_file_is_timed() {
     let cube = ("cube", [0.0; 3], [10.0, 10.0, 4.0]);
     let job = boxes(&folder, &[&[cube], &pins[..]].concat());
     let print = run(&with_tools(job, &base, &tools), &base).expect("a print");
-    let timed = file_time(&print.text, &Machine::new(&base)).0;
-    let said = print.summary.total.total_s;
-    assert!((said / timed - 1.0).abs() < 0.005, "{said}, timed {timed}");
+    timed_as_said(&print, &Machine::new(&base), 0.005);
 }

@@ -5,10 +5,19 @@ use std::collections::BTreeMap;
 use crate::support::found::{kinds, report};
 use crate::support::print::{Print, model, run, settings};
 use pathwright::Observer;
-use pathwright::gcode::{Action, replay};
+use pathwright::estimate::Machine;
+use pathwright::gcode::{Action, file_time, replay};
 use pathwright::job::{Engine, Job, JobModel, ObjectSettings};
 use pathwright::pipeline::Pipeline;
 use pathwright::profile::{self, Settings};
+
+/// The time that a file takes, in seconds; the summary says the same, but for a share.
+#[track_caller]
+pub fn timed_as_said(print: &Print, machine: &Machine, share: f64) -> f64 {
+    let (said, timed) = (print.summary.total.total_s, file_time(&print.text, machine).0);
+    assert!((said / timed - 1.0).abs() < share, "{said}, timed {timed}");
+    timed
+}
 
 /// Settings of a printer with so many tools, each with filament of its own.
 pub fn several(tools: usize, sets: &[&str]) -> Settings {

@@ -60,6 +60,11 @@ impl Resolved<'_> {
         self.chain.iter().find_map(|(_, definition)| definition.about(key))
     }
 
+    /// Its extruders by their numbers, if it names any.
+    fn extruder_trains(&self) -> Option<&serde_json::Map<String, serde_json::Value>> {
+        self.about("machine_extruder_trains")?.as_object()
+    }
+
     pub fn text(&self, key: &str) -> &str {
         self.about(key).and_then(serde_json::Value::as_str).unwrap_or_default()
     }
@@ -123,7 +128,7 @@ impl Cura {
             let added = machine.added.map(|added| added.of_extruder(stacks, extruder));
             Resolved { added, extruder, ..machine.clone() }
         };
-        let known = machine.about("machine_extruder_trains").and_then(serde_json::Value::as_object);
+        let known = machine.extruder_trains();
         let count = self.stack(machine)?.number("machine_extruder_count").unwrap_or(1.0);
         let count = (count as usize).min(known.map_or(1, serde_json::Map::len)).max(1);
         Ok((0..count).map(of).collect())
@@ -164,7 +169,7 @@ impl Cura {
         for (_, definition) in machine.chain.iter().rev() {
             stack.add_definition(&definition.settings, definition.inherits.is_some());
         }
-        let trains = machine.about("machine_extruder_trains").and_then(serde_json::Value::as_object);
+        let trains = machine.extruder_trains();
         let number = machine.extruder.to_string();
         let train = trains.and_then(|trains| trains.get(&number)).and_then(serde_json::Value::as_str);
         let train = machine.added.and_then(|added| added.at(Slot::Definition).nth(1)).or(train);

@@ -240,10 +240,11 @@ impl Bitmap {
 
     /// Adds the cells of another set of the same grid.
     pub fn add(&mut self, other: &Self) {
-        if self.words.is_empty() && !other.is_empty() {
+        if !self.words.is_empty() {
+            self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a |= b);
+        } else if !other.is_empty() {
             self.words.clone_from(&other.words);
         }
-        self.words.iter_mut().zip(&other.words).for_each(|(a, b)| *a |= b);
     }
 
     /// Takes out the cells of another set of the same grid.
