@@ -59,6 +59,16 @@ fn in_pool() -> bool {
     HAS_THREADS && rayon::current_thread_index().is_some()
 }
 
+/// Makes the calling thread one of so many (0: as many as `RAYON_NUM_THREADS` says, or else the machine has cores) that work
+/// together from now on. Nothing happens where it is one of some already, or the system has no threads to give.
+pub(crate) fn take_part(threads: usize) {
+    if HAS_THREADS && !in_pool() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build();
+        // They end with the program.
+        std::mem::forget(pool);
+    }
+}
+
 /// Does something with a number of threads of its own (0: as many as `RAYON_NUM_THREADS` says, or else the machine has
 /// cores); `None`: with those that the caller has. `None` comes back if the observer cancels it.
 pub(crate) fn run<T: Send>(

@@ -10,6 +10,37 @@ const OVER: f64 = 0.5 * 2.0;
 /// No grid has more cells: 16 MB.
 const MOST_CELLS: f64 = 4e6;
 
+/// Cells that are held together, once one of them is printed on: most of a bed never is.
+const BLOCK: usize = 1024;
+
+/// Heights of the print in cells, mm.
+#[derive(Clone, Debug)]
+struct Tops {
+    count: usize,
+    /// Empty where nothing is.
+    blocks: Vec<Vec<f32>>,
+}
+
+impl Tops {
+    fn new(count: usize) -> Self {
+        Self { count, blocks: vec![Vec::new(); count.div_ceil(BLOCK)] }
+    }
+
+    /// Minus infinity where nothing is.
+    fn at(&self, cell: usize) -> f64 {
+        self.blocks[cell / BLOCK].get(cell % BLOCK).map_or(f64::NEG_INFINITY, |&top_mm| f64::from(top_mm))
+    }
+
+    fn raise(&mut self, cell: usize, z_mm: f64) {
+        let block = &mut self.blocks[cell / BLOCK];
+        if block.is_empty() {
+            block.resize(BLOCK, f32::NEG_INFINITY);
+        }
+        let top_mm = &mut block[cell % BLOCK];
+        *top_mm = top_mm.max(z_mm as f32);
+    }
+}
+
 /// Heights of what has been printed.
 #[derive(Clone, Debug)]
 pub(super) struct Relief {
@@ -18,8 +49,7 @@ pub(super) struct Relief {
     cells_per_mm: f64,
     columns: usize,
     rows: usize,
-    /// Height of the print in each cell, mm; minus infinity where there is none.
-    tops_mm: Vec<f32>,
+    tops: Tops,
     highest_mm: f64,
     /// Where the last short bead ended.
     end: [f64; 3],
@@ -31,10 +61,10 @@ impl Relief {
         let [width, depth] = [0, 1].map(|i| (high[i] - low[i]).max(cell_mm));
         let cell_mm = cell_mm.max((width * depth / MOST_CELLS).sqrt());
         let [columns, rows] = [width, depth].map(|mm| (mm / cell_mm).ceil() as usize);
-        let tops_mm = vec![f32::NEG_INFINITY; columns * rows];
+        let tops = Tops::new(columns * rows);
         let cells_per_mm = cell_mm.recip();
         let (highest_mm, end) = (f64::NEG_INFINITY, [f64::NAN; 3]);
-        Self { low, cell_mm, cells_per_mm, columns, rows, tops_mm, highest_mm, end }
+        Self { low, cell_mm, cells_per_mm, columns, rows, tops, highest_mm, end }
     }
 
     /// Side of a cell.
@@ -50,24 +80,23 @@ impl Relief {
 
     /// How many cells there are.
     pub fn cell_count(&self) -> usize {
-        self.tops_mm.len()
+        self.tops.count
     }
 
     /// Height of a cell; minus infinity where nothing is.
     pub fn top(&self, cell: usize) -> f64 {
-        f64::from(self.tops_mm[cell])
+        self.tops.at(cell)
     }
 
     /// Raises a cell.
     pub fn raise_cell(&mut self, cell: usize, z_mm: f64) {
-        let top = &mut self.tops_mm[cell];
-        *top = top.max(z_mm as f32);
+        self.tops.raise(cell, z_mm);
         self.highest_mm = self.highest_mm.max(z_mm);
     }
 
     /// The cells beside a cell, four at most.
     pub fn neighbours(&self, cell: usize) -> impl Iterator<Item = usize> {
-        let (column, columns, count) = (cell % self.columns, self.columns, self.tops_mm.len());
+        let (column, columns, count) = (cell % self.columns, self.columns, self.tops.count);
         let near = [
             (column > 0).then(|| cell - 1),
             (column + 1 < columns).then(|| cell + 1),
@@ -142,14 +171,13 @@ impl Relief {
 
     /// Height at a position; minus infinity where nothing is.
     pub fn at(&self, x: f64, y: f64) -> f64 {
-        self.index(x, y).map_or(f64::NEG_INFINITY, |index| f64::from(self.tops_mm[index]))
+        self.index(x, y).map_or(f64::NEG_INFINITY, |index| self.tops.at(index))
     }
 
     /// Raises the cell at a position.
     pub fn raise(&mut self, x: f64, y: f64, z_mm: f64) {
         if let Some(index) = self.index(x, y) {
-            let top = &mut self.tops_mm[index];
-            *top = top.max(z_mm as f32);
+            self.tops.raise(index, z_mm);
             self.highest_mm = self.highest_mm.max(z_mm);
         }
     }
@@ -181,12 +209,9 @@ impl Relief {
 
     /// Raises all cells under a bead.
     pub fn paint(&mut self, bead: &Stroke, width_mm: f64) {
-        let mut tops_mm = std::mem::take(&mut self.tops_mm);
-        self.each_cell(bead, width_mm + OVER * self.cell_mm, |cell, z_mm| {
-            let top: &mut f32 = &mut tops_mm[cell];
-            *top = top.max(z_mm as f32);
-        });
-        self.tops_mm = tops_mm;
+        let mut tops = std::mem::replace(&mut self.tops, Tops::new(0));
+        self.each_cell(bead, width_mm + OVER * self.cell_mm, |cell, z_mm| tops.raise(cell, z_mm));
+        self.tops = tops;
         self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);
     }
 

@@ -11,9 +11,6 @@ use super::exit::{Exit, Failure};
 use super::serve::{library, serve_until_interrupted};
 use crate::serve::{Config, Limits, Tokens};
 
-/// Arrange, slice and look at prints on a page in the browser
-///
-/// The page is on this machine alone, and needs no network. It ends with Ctrl-C.
 #[derive(Debug, Args)]
 pub(super) struct AppArgs {
     /// Models or projects to begin with

@@ -8,6 +8,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 
+use super::deferred::Deferred;
 pub(super) use super::setting_args::{Assignment, EXIT_CODES, PresetArgs, SettingArgs};
 use super::setting_args::{assignment, seconds};
 use crate::estimate::Firmware;
@@ -25,32 +26,76 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    Slice(Box<SliceArgs>),
+    /// Slice models into G-code
+    ///
+    /// All models are placed on one plate, side by side, and written to one file next to the first model (part.stl gives
+    /// part.gcode), or with --each to one file per model.
+    Slice(Deferred<SliceArgs>),
     /// Print the key of a result without slicing: a hash of all that its bytes depend on
     ///
     /// Takes the arguments of `slice` and prints one line for each G-code file that it would write. The key depends on the
     /// contents and names of the models, the settings in force and the version of the program; not on folders or threads.
-    Key(Box<SliceArgs>),
-    Compare(Box<CompareArgs>),
-    Reorder(Box<ReorderArgs>),
-    View(Box<ViewArgs>),
-    Info(InfoArgs),
-    Time(TimeArgs),
-    Check(CheckArgs),
-    Profiles(ProfilesArgs),
-    Printers(PrintersArgs),
+    Key(Deferred<SliceArgs>),
+    /// Compare ordering strategies on the layers of models or finished G-code
+    ///
+    /// Each model is sliced once; the paths of a G-code file are used as they are. The layers are ordered by each strategy.
+    /// The table shows the links (straight lines from path end to path start), a lower bound on their length, and the gap of
+    /// each strategy to it.
+    Compare(Deferred<CompareArgs>),
+    /// Shorten the travel in finished G-code from any slicer
+    ///
+    /// The paths within each layer are reordered; everything else stays. The result is read back and compared layer by layer
+    /// before it replaces anything. If nothing improves, the file is not changed.
+    Reorder(Deferred<ReorderArgs>),
+    /// Preview a print: an HTML page for the browser, or pictures
+    ///
+    /// Of a G-code file from any slicer, or of models, which are sliced first. The page is one file that needs no network; it
+    /// is written next to the input (part.gcode gives part.html), unless -o names another file or only pictures are requested.
+    View(Deferred<ViewArgs>),
+    /// Show what models contain, what was repaired, and whether they fit the printer
+    Info(Deferred<InfoArgs>),
+    /// Estimate the print time of G-code from any slicer
+    ///
+    /// Moves are planned as the firmware plans them, with the machine's limits and those that the file sets. The time is
+    /// reported in total, by role and, with --json, by layer. Heating, homing and pauses are not included.
+    Time(Deferred<TimeArgs>),
+    /// Check G-code from any slicer before it is printed
+    ///
+    /// Reports every fault with its line, layer and severity, and exits with code 7 if one is an error. With --model the print
+    /// is also compared with its model: missing islands, material outside, beads over air, volume.
+    Check(Deferred<CheckArgs>),
+    /// Show profiles and settings
+    Profiles(Deferred<ProfilesArgs>),
+    /// List the printers of other slicers' presets
+    ///
+    /// Presets are looked for in what --presets names, in $PATHWRIGHT_PRESETS, in the folder pathwright/presets beside other
+    /// settings, and in the folders of PrusaSlicer, SuperSlicer, OrcaSlicer, Bambu Studio, Creality Print and Cura.
+    Printers(Deferred<PrintersArgs>),
+    /// Send G-code to a print host: OctoPrint, Moonraker, PrusaLink or Duet
+    ///
+    /// The file is checked first, against what the host tells of its printer, and compared afterwards with what is stored
+    /// there. `pathwright hosts` shows the hosts that there are.
     #[cfg(feature = "send")]
-    Send(Box<super::host_args::SendArgs>),
+    Send(Deferred<super::host_args::SendArgs>),
+    /// List, test and add print hosts
+    ///
+    /// They are in a TOML file, pathwright/hosts.toml beside other settings, a table for each: docs/hosts.md.
     #[cfg(feature = "send")]
-    Hosts(super::host_args::HostsArgs),
+    Hosts(Deferred<super::host_args::HostsArgs>),
+    /// Arrange, slice and look at prints on a page in the browser
+    ///
+    /// The page is on this machine alone, and needs no network. It ends with Ctrl-C.
     #[cfg(feature = "serve")]
-    App(super::app::AppArgs),
+    App(Deferred<super::app::AppArgs>),
+    /// Slice for others: a service over HTTP
+    ///
+    /// Takes jobs, keeps them and their results in a folder, and has the page of `pathwright app`. Answers on this machine
+    /// alone unless --listen says otherwise; then a token is needed, and encryption: that of a proxy, or --tls-cert.
+    /// docs/service.md describes the requests.
     #[cfg(feature = "serve")]
-    Serve(Box<super::serve::ServeArgs>),
+    Serve(Deferred<super::serve::ServeArgs>),
     /// Print a completion script for a shell
-    Completions {
-        shell: Shell,
-    },
+    Completions { shell: Shell },
     /// Print a man page
     Man {
         /// Command to describe; without it, the whole program
@@ -58,10 +103,6 @@ pub(super) enum Command {
     },
 }
 
-/// Slice models into G-code
-///
-/// All models are placed on one plate, side by side, and written to one file next to the first model (part.stl gives
-/// part.gcode), or with --each to one file per model.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct SliceArgs {
@@ -179,11 +220,6 @@ pub(super) struct SliceArgs {
     pub no_progress: bool,
 }
 
-/// Compare ordering strategies on the layers of models or finished G-code
-///
-/// Each model is sliced once; the paths of a G-code file are used as they are. The layers are ordered by each strategy.
-/// The table shows the links (straight lines from path end to path start), a lower bound on their length, and the gap of
-/// each strategy to it.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct CompareArgs {
@@ -240,10 +276,6 @@ pub(super) struct CompareArgs {
     pub no_progress: bool,
 }
 
-/// Shorten the travel in finished G-code from any slicer
-///
-/// The paths within each layer are reordered; everything else stays. The result is read back and compared layer by layer
-/// before it replaces anything. If nothing improves, the file is not changed.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct ReorderArgs {
@@ -293,10 +325,6 @@ pub(super) struct ReorderArgs {
     pub quiet: bool,
 }
 
-/// Preview a print: an HTML page for the browser, or pictures
-///
-/// Of a G-code file from any slicer, or of models, which are sliced first. The page is one file that needs no network; it
-/// is written next to the input (part.gcode gives part.html), unless -o names another file or only pictures are requested.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct ViewArgs {
@@ -374,7 +402,6 @@ pub(super) struct OrderingArgs {
     pub effort: Option<String>,
 }
 
-/// Show what models contain, what was repaired, and whether they fit the printer
 #[derive(Debug, Args)]
 pub(super) struct InfoArgs {
     #[command(flatten)]
@@ -437,10 +464,6 @@ pub(super) struct ShapeArgs {
     pub rotate: Option<Triple>,
 }
 
-/// Estimate the print time of G-code from any slicer
-///
-/// Moves are planned as the firmware plans them, with the machine's limits and those that the file sets. The time is
-/// reported in total, by role and, with --json, by layer. Heating, homing and pauses are not included.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct TimeArgs {
@@ -465,10 +488,6 @@ pub(super) struct TimeArgs {
     pub json: bool,
 }
 
-/// Check G-code from any slicer before it is printed
-///
-/// Reports every fault with its line, layer and severity, and exits with code 7 if one is an error. With --model the print
-/// is also compared with its model: missing islands, material outside, beads over air, volume.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct CheckArgs {
@@ -495,7 +514,6 @@ pub(super) struct CheckArgs {
     pub quiet: bool,
 }
 
-/// Show profiles and settings
 #[derive(Debug, Args)]
 pub(super) struct ProfilesArgs {
     #[command(subcommand)]
@@ -529,10 +547,6 @@ pub(super) enum ProfilesCommand {
     },
 }
 
-/// List the printers of other slicers' presets
-///
-/// Presets are looked for in what --presets names, in $PATHWRIGHT_PRESETS, in the folder pathwright/presets beside other
-/// settings, and in the folders of PrusaSlicer, SuperSlicer, OrcaSlicer, Bambu Studio, Creality Print and Cura.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub(super) struct PrintersArgs {

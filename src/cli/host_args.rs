@@ -9,10 +9,6 @@ use clap::{Args, Subcommand, ValueHint};
 use super::setting_args::{EXIT_CODES, PresetArgs, SettingArgs, seconds};
 use crate::send::HostKind;
 
-/// Send G-code to a print host: OctoPrint, Moonraker, PrusaLink or Duet
-///
-/// The file is checked first, against what the host tells of its printer, and compared afterwards with what is stored
-/// there. `pathwright hosts` shows the hosts that there are.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct SendArgs {
@@ -82,9 +78,6 @@ pub(super) struct AccessArgs {
     pub hosts: Option<PathBuf>,
 }
 
-/// List, test and add print hosts
-///
-/// They are in a TOML file, pathwright/hosts.toml beside other settings, a table for each: docs/hosts.md.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct HostsArgs {

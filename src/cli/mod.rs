@@ -6,6 +6,7 @@ mod args;
 mod check;
 mod compare;
 mod console;
+mod deferred;
 mod exit;
 mod given;
 #[cfg(feature = "send")]
@@ -43,7 +44,6 @@ use args::{Arguments, Command};
 
 use crate::job::Engine;
 use crate::limits;
-use crate::observer::Observer;
 use crate::output;
 use crate::parallel;
 use crate::system;
@@ -65,9 +65,15 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Compare(args) => compare::run(args, engine),
         Command::View(args) => view::run(args, engine),
         Command::Reorder(args) => reorder::run(args, engine),
-        Command::Info(args) => in_pool(|| info::run(args, engine)),
+        Command::Info(args) => {
+            parallel::take_part(0);
+            info::run(args, engine)
+        }
         Command::Time(args) => time::run(args),
-        Command::Check(args) => in_pool(|| check::run(args)),
+        Command::Check(args) => {
+            parallel::take_part(0);
+            check::run(args)
+        }
         Command::Profiles(args) => profiles::run(args),
         Command::Printers(args) => printers::run(args),
         #[cfg(feature = "send")]
@@ -107,9 +113,4 @@ pub fn interrupted() {
     #[cfg(feature = "send")]
     send::interrupted();
     output::abandon_and_exit(Exit::Interrupted as i32)
-}
-
-/// Does something with as many threads as the machine has cores.
-fn in_pool(work: impl FnOnce() -> Result<Exit, exit::Failure> + Send) -> Result<Exit, exit::Failure> {
-    parallel::run(Some(0), &Observer::none(), |_| work()).unwrap_or(Ok(Exit::Interrupted))
 }

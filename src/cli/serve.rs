@@ -14,11 +14,6 @@ use crate::presets::Library;
 use crate::serve::{Config, Ending, Limits, ServeError, TlsFiles, Tokens, serve};
 use crate::system;
 
-/// Slice for others: a service over HTTP
-///
-/// Takes jobs, keeps them and their results in a folder, and has the page of `pathwright app`. Answers on this machine
-/// alone unless --listen says otherwise; then a token is needed, and encryption: that of a proxy, or --tls-cert.
-/// docs/service.md describes the requests.
 #[derive(Debug, Args)]
 pub(super) struct ServeArgs {
     /// Address and port to listen on

@@ -14,9 +14,8 @@ use super::projects;
 use super::watch::Watch;
 use crate::gcode::Form;
 use crate::job::Engine;
-use crate::observer::Observer;
 use crate::output::Output;
-use crate::parallel::{self, Workers};
+use crate::parallel;
 use crate::profile::{Resolved, binary_metadata};
 use crate::report::Summary;
 
@@ -24,6 +23,7 @@ use crate::report::Summary;
 /// first one that failed.
 pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let watch = Watch::start(&args.limits, args.json)?;
+    parallel::take_part(args.threads.map_or(0, Into::into));
     let mut plan = Plan::new(args)?;
     if args.json && plan.tasks.iter().any(|task| task.destination == Destination::Stdout) {
         return Err(usage("--json and the G-code both want standard output; give -o a file"));
@@ -44,13 +44,9 @@ pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure
     if let (Some(path), [task]) = (&args.save_project, plan.tasks.as_slice()) {
         return projects::save(path, task, args);
     }
-    if plan.tasks.len() < 2 {
-        return slice_all(&plan, args, engine, &watch);
-    }
-    // All share the threads of the first.
-    let threads = plan.tasks.iter_mut().map(|task| task.plate.job.threads.take()).reduce(|first, _| first);
-    let work = |_: Workers<'_>| slice_all(&plan, args, engine, &watch);
-    parallel::run(threads.flatten(), &Observer::none(), work).unwrap_or(Ok(Exit::Interrupted))
+    // They are at work already.
+    plan.tasks.iter_mut().for_each(|task| task.plate.job.threads = None);
+    slice_all(&plan, args, engine, &watch)
 }
 
 /// Prints the keys of the results.

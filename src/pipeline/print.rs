@@ -73,7 +73,7 @@ pub(super) fn slice(
     };
     rounds::check_excluded(rounds, &loaded.plate, settings)?;
     warnings.extend(rounds.iter().flat_map(|round| round.sections.warnings()));
-    let overhangs = (!settings.support.enabled).then(|| rounds::overhangs(rounds, settings, workers));
+    let overhangs = rounds::overhangs(rounds);
 
     let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), &site, settings, workers)?;
     warnings.extend(tooled.iter().filter_map(|tooled| tooled.warning.clone()));

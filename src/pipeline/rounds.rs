@@ -11,7 +11,7 @@ use crate::toolpath::{LayerPaths, LayerWalls};
 use geometry::{Point, Polygon};
 
 use super::load::{self, Loaded};
-use crate::parallel::Workers;
+use crate::parallel::{self, Workers};
 use crate::plan::planners::Planners;
 use crate::plan::sections::Sections;
 use crate::plan::styles::Styles;
@@ -24,6 +24,8 @@ const PASS_MM: f64 = 2.0;
 pub(super) struct Round {
     pub sections: Sections,
     pub planners: Planners,
+    /// What would need support, where none is laid.
+    pub overhangs: Option<Overhangs>,
     /// The object, where it is printed by itself.
     pub name: Option<String>,
     /// Layers of the rounds before.
@@ -134,19 +136,13 @@ fn rectangle(middle: [f64; 2], size: [f64; 2]) -> Polygon {
     Polygon { outer, holes: Vec::new() }
 }
 
-/// What would need support.
-pub(super) fn overhangs(rounds: &[Round], settings: &Settings, workers: Workers<'_>) -> Overhangs {
-    let mut all = Overhangs::default();
-    for round in rounds {
-        let sections = &round.sections;
-        let Some(bounds) = sections.bounds() else { continue };
-        let part = &sections.layers[sections.first_layer()..];
-        let Overhangs { count, area_mm2, lowest_mm } = supports::overhangs(part, bounds, settings, workers);
-        all.count += count;
-        all.area_mm2 += area_mm2;
-        all.lowest_mm = all.lowest_mm.into_iter().chain(lowest_mm).reduce(f64::min);
-    }
-    all
+/// What would need support, where none is laid.
+pub(super) fn overhangs(rounds: &[Round]) -> Option<Overhangs> {
+    rounds.iter().filter_map(|round| round.overhangs.clone()).reduce(|a, b| Overhangs {
+        count: a.count + b.count,
+        area_mm2: a.area_mm2 + b.area_mm2,
+        lowest_mm: a.lowest_mm.into_iter().chain(b.lowest_mm).reduce(f64::min),
+    })
 }
 
 impl Round {
@@ -169,14 +165,16 @@ impl Round {
         let styles = site.styles.of(&objects);
         let slicer = Slicer::new(plate, &load::layers(settings));
         let mut sections = Sections::cut(&slicer, objects, &styles, site.modifiers, settings, workers)?;
-        if sections.bounds().is_none() {
-            return Ok(None);
-        }
-        let planners = sections.planners(&styles, settings, around, workers);
+        let Some(bounds) = sections.bounds() else { return Ok(None) };
+        let part = &sections.layers[sections.first_layer()..];
+        let unsupported =
+            || (!settings.support.enabled).then(|| supports::overhangs(part, bounds, settings, workers));
+        let planners = || sections.planners(&styles, settings, around, workers);
+        let (planners, overhangs) = parallel::join(planners, unsupported);
         sections.lay_supports(&planners.main, settings, workers);
         let top_mm = sections.layers.last().map_or(0.0, |layer| layer.span.top_mm);
         load::check_height(top_mm + settings.layer.z_offset.0, settings)?;
-        Ok(Some(Self { sections, planners, name, first_layer: 0, over_mm: 0.0 }))
+        Ok(Some(Self { sections, planners, overhangs, name, first_layer: 0, over_mm: 0.0 }))
     }
 
     /// The walls of a layer.

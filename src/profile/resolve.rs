@@ -123,7 +123,8 @@ pub(crate) fn resolve_layers<'a>(
         reader.assignments.push(Assignment { key: key.to_owned(), value: typed_value(key, value), origin });
     }
     let Reader { assignments, mut problems, notes, .. } = reader;
-    let Assigned { settings, origins, warnings } = assigned(Settings::default(), assignments, &mut problems);
+    let Assigned { settings, origins, warnings } =
+        assigned(Settings::of_stages(), assignments, &mut problems);
     if problems.is_empty() {
         let warnings = notes.into_iter().chain(warnings).collect();
         Ok(Resolved { settings, origins, warnings })
@@ -217,7 +218,9 @@ fn assign_to_tool(table: &mut Table, tool: usize, key: &str, value: Value) {
 
 /// Leaves out the variables that mean a setting which has a new value.
 fn forget_variables(table: &mut Table, key: &str) {
-    if let Some(Value::Table(variables)) = table.get_mut("variables") {
+    if let Some(Value::Table(variables)) = table.get_mut("variables")
+        && !variables.is_empty()
+    {
         for (name, _) in setting_names().filter(|(_, of)| *of == key) {
             variables.remove(name);
         }

@@ -22,6 +22,21 @@ fn run(args: &[&str], code: i32) -> (String, String) {
 }
 
 #[test]
+fn each_command_says_of_itself_what_the_list_of_all_says() {
+    let help = run(&["--help"], 0).0;
+    let list =
+        help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let commands = list.filter_map(|line| line.trim().split_once("  ")).filter(|(name, _)| *name != "help");
+    let mut count = 0;
+    for (name, about) in commands {
+        let own = run(&[name, "--help"], 0).0;
+        assert!(own.starts_with(about.trim()), "{name}: {own}");
+        count += 1;
+    }
+    assert!(count >= 10, "{help}");
+}
+
+#[test]
 fn version_and_help_are_no_failure() {
     assert!(run(&["--version"], 0).0.starts_with("pathwright "));
     assert!(run(&["--help"], 0).0.contains("130  interrupted"));
