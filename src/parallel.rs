@@ -3,6 +3,7 @@
 //! Threads are used if the caller runs in a pool of rayon's; elsewhere everything is done by the calling thread, and no pool is
 //! started.
 
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use rayon::prelude::*;
@@ -64,20 +65,29 @@ fn in_pool() -> bool {
 pub(crate) fn take_part(threads: usize) {
     if HAS_THREADS && !in_pool() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build();
+        if pool.is_ok() {
+            ONE_OF.set(Some(threads));
+        }
         // They end with the program.
         std::mem::forget(pool);
     }
 }
 
+thread_local! {
+    /// Of how many this thread is one, as [`take_part`] was told.
+    static ONE_OF: Cell<Option<usize>> = const { Cell::new(None) };
+}
+
 /// Does something with a number of threads of its own (0: as many as `RAYON_NUM_THREADS` says, or else the machine has
-/// cores); `None`: with those that the caller has. `None` comes back if the observer cancels it.
+/// cores), or with those that the caller is one of if it asked for as many; `None`: with those that the caller has. `None`
+/// comes back if the observer cancels it.
 pub(crate) fn run<T: Send>(
     threads: Option<usize>,
     observer: &Observer<'_>,
     work: impl FnOnce(Workers<'_>) -> T + Send,
 ) -> Option<T> {
     let work = || work(Workers { observer });
-    let threads = threads.filter(|_| HAS_THREADS);
+    let threads = threads.filter(|_| HAS_THREADS && threads != ONE_OF.get());
     let attempt = || match threads.map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build()) {
         Some(Ok(pool)) => pool.install(work),
         // Where the system has no threads to give, the caller does the work.

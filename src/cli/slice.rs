@@ -24,7 +24,7 @@ use crate::report::Summary;
 pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let watch = Watch::start(&args.limits, args.json)?;
     parallel::take_part(args.threads.map_or(0, Into::into));
-    let mut plan = Plan::new(args)?;
+    let plan = Plan::new(args)?;
     if args.json && plan.tasks.iter().any(|task| task.destination == Destination::Stdout) {
         return Err(usage("--json and the G-code both want standard output; give -o a file"));
     }
@@ -44,8 +44,6 @@ pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure
     if let (Some(path), [task]) = (&args.save_project, plan.tasks.as_slice()) {
         return projects::save(path, task, args);
     }
-    // They are at work already.
-    plan.tasks.iter_mut().for_each(|task| task.plate.job.threads = None);
     slice_all(&plan, args, engine, &watch)
 }
 
