@@ -10,34 +10,42 @@ const OVER: f64 = 0.5 * 2.0;
 /// No grid has more cells: 16 MB.
 const MOST_CELLS: f64 = 4e6;
 
-/// Cells that are held together, once one of them is printed on: most of a bed never is.
-const BLOCK: usize = 1024;
-
-/// Heights of the print in cells, mm.
-#[derive(Clone, Debug)]
+/// Heights of the print in cells, mm. Those from the first to the last that is printed on are held: most of a bed never is.
+#[derive(Clone, Debug, Default)]
 struct Tops {
-    count: usize,
-    /// Empty where nothing is.
-    blocks: Vec<Vec<f32>>,
+    first: usize,
+    held_mm: Vec<f32>,
 }
 
 impl Tops {
-    fn new(count: usize) -> Self {
-        Self { count, blocks: vec![Vec::new(); count.div_ceil(BLOCK)] }
-    }
-
     /// Minus infinity where nothing is.
     fn at(&self, cell: usize) -> f64 {
-        self.blocks[cell / BLOCK].get(cell % BLOCK).map_or(f64::NEG_INFINITY, |&top_mm| f64::from(top_mm))
+        let held_mm = self.held_mm.get(cell.wrapping_sub(self.first));
+        held_mm.map_or(f64::NEG_INFINITY, |&top_mm| f64::from(top_mm))
     }
 
     fn raise(&mut self, cell: usize, z_mm: f64) {
-        let block = &mut self.blocks[cell / BLOCK];
-        if block.is_empty() {
-            block.resize(BLOCK, f32::NEG_INFINITY);
+        if cell.wrapping_sub(self.first) >= self.held_mm.len() {
+            self.hold(cell);
         }
-        let top_mm = &mut block[cell % BLOCK];
+        let top_mm = &mut self.held_mm[cell - self.first];
         *top_mm = top_mm.max(z_mm as f32);
+    }
+
+    /// Holds a cell, and beyond it half as many as there are, so that this is seldom done.
+    #[cold]
+    fn hold(&mut self, cell: usize) {
+        let more = self.held_mm.len() / 2;
+        if self.held_mm.is_empty() {
+            self.first = cell;
+        }
+        if cell < self.first {
+            let first = cell.saturating_sub(more);
+            self.held_mm.splice(0..0, std::iter::repeat_n(f32::NEG_INFINITY, self.first - first));
+            self.first = first;
+        } else {
+            self.held_mm.resize(cell - self.first + more + 1, f32::NEG_INFINITY);
+        }
     }
 }
 
@@ -61,9 +69,8 @@ impl Relief {
         let [width, depth] = [0, 1].map(|i| (high[i] - low[i]).max(cell_mm));
         let cell_mm = cell_mm.max((width * depth / MOST_CELLS).sqrt());
         let [columns, rows] = [width, depth].map(|mm| (mm / cell_mm).ceil() as usize);
-        let tops = Tops::new(columns * rows);
         let cells_per_mm = cell_mm.recip();
-        let (highest_mm, end) = (f64::NEG_INFINITY, [f64::NAN; 3]);
+        let (tops, highest_mm, end) = (Tops::default(), f64::NEG_INFINITY, [f64::NAN; 3]);
         Self { low, cell_mm, cells_per_mm, columns, rows, tops, highest_mm, end }
     }
 
@@ -80,7 +87,7 @@ impl Relief {
 
     /// How many cells there are.
     pub fn cell_count(&self) -> usize {
-        self.tops.count
+        self.columns * self.rows
     }
 
     /// Height of a cell; minus infinity where nothing is.
@@ -96,7 +103,7 @@ impl Relief {
 
     /// The cells beside a cell, four at most.
     pub fn neighbours(&self, cell: usize) -> impl Iterator<Item = usize> {
-        let (column, columns, count) = (cell % self.columns, self.columns, self.tops.count);
+        let (column, columns, count) = (cell % self.columns, self.columns, self.cell_count());
         let near = [
             (column > 0).then(|| cell - 1),
             (column + 1 < columns).then(|| cell + 1),
@@ -175,15 +182,15 @@ impl Relief {
     }
 
     /// Raises the cell at a position.
-    pub fn raise(&mut self, x: f64, y: f64, z_mm: f64) {
+    fn raise(&mut self, x: f64, y: f64, z_mm: f64) {
         if let Some(index) = self.index(x, y) {
             self.tops.raise(index, z_mm);
-            self.highest_mm = self.highest_mm.max(z_mm);
         }
     }
 
     /// Raises the cells under a bead's middle line.
     pub fn lay(&mut self, bead: &Stroke) {
+        self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);
         if bead.arc.is_none() && bead.xy_mm <= self.cell_mm {
             if bead.from != self.end {
                 self.raise(bead.from[0], bead.from[1], bead.from[2]);
@@ -209,7 +216,7 @@ impl Relief {
 
     /// Raises all cells under a bead.
     pub fn paint(&mut self, bead: &Stroke, width_mm: f64) {
-        let mut tops = std::mem::replace(&mut self.tops, Tops::new(0));
+        let mut tops = std::mem::take(&mut self.tops);
         self.each_cell(bead, width_mm + OVER * self.cell_mm, |cell, z_mm| tops.raise(cell, z_mm));
         self.tops = tops;
         self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);

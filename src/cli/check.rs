@@ -10,12 +10,14 @@ use super::plan;
 use crate::check::{self, CheckReport, Survey};
 use crate::gcode;
 use crate::mesh::Mesh;
+use crate::parallel;
 use crate::plate::{self, Line};
 use crate::profile::Settings;
 
 /// Checks file by file. The exit code is that of the first one that cannot be read, or else tells whether any has an
 /// error.
 pub(super) fn run(args: &CheckArgs) -> Result<Exit, Failure> {
+    parallel::take_part(0);
     let resolved = plan::settings(&args.settings, &[])?;
     let bodies = bodies(&args.model, &args.shape, &resolved.settings)?;
     if !bodies.is_empty() && args.files.iter().any(|file| file == Path::new("-")) {

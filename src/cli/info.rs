@@ -5,9 +5,11 @@ use super::console;
 use super::exit::{Exit, Failure};
 use super::plan::{self, Sources};
 use crate::job::{Engine, Job};
+use crate::parallel;
 
 /// Reports the contents of every readable model, and of those of projects. The exit code is that of the first one that cannot.
 pub(super) fn run(args: &InfoArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
+    parallel::take_part(0);
     let sources = Sources::new(&args.settings, Vec::new())?;
     let mut exit = Exit::Done;
     for plate in plan::plates(&args.models, &sources)? {

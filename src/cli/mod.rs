@@ -45,7 +45,6 @@ use args::{Arguments, Command};
 use crate::job::Engine;
 use crate::limits;
 use crate::output;
-use crate::parallel;
 use crate::system;
 
 /// Runs the program with these arguments (its name first) and reports to standard output and standard error.
@@ -65,15 +64,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Command::Compare(args) => compare::run(args, engine),
         Command::View(args) => view::run(args, engine),
         Command::Reorder(args) => reorder::run(args, engine),
-        Command::Info(args) => {
-            parallel::take_part(0);
-            info::run(args, engine)
-        }
+        Command::Info(args) => info::run(args, engine),
         Command::Time(args) => time::run(args),
-        Command::Check(args) => {
-            parallel::take_part(0);
-            check::run(args)
-        }
+        Command::Check(args) => check::run(args),
         Command::Profiles(args) => profiles::run(args),
         Command::Printers(args) => printers::run(args),
         #[cfg(feature = "send")]
