@@ -1,4 +1,4 @@
-//! The program: signals, the pipeline, and an exit code.
+//! The program: arguments, the pipeline, and an exit code.
 
 use std::process::ExitCode;
 
@@ -11,9 +11,5 @@ use pathwright::pipeline::Pipeline;
 static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
-    let handler = ctrlc::set_handler(cli::interrupted);
-    if let Err(error) = handler {
-        eprintln!("warning: an interrupt may leave a temporary file behind: {error}");
-    }
     cli::run(std::env::args_os(), &Pipeline).into()
 }

@@ -7,6 +7,9 @@ use crate::gcode::Stroke;
 /// A painted bead is wider by this much of a cell: cells count that it covers in part.
 const OVER: f64 = 0.5 * 2.0;
 
+/// Bits of a cell's fraction along a line.
+const FRACTION: u32 = 32;
+
 /// No grid has more cells: 16 MB.
 const MOST_CELLS: f64 = 4e6;
 
@@ -79,10 +82,15 @@ impl Relief {
         self.cell_mm
     }
 
-    fn index(&self, x: f64, y: f64) -> Option<usize> {
-        let (column, row) = ((x - self.low[0]) * self.cells_per_mm, (y - self.low[1]) * self.cells_per_mm);
+    /// Column and row at a position, with fractions; `None` beside the bed.
+    fn cell_at(&self, [x, y, _]: [f64; 3]) -> Option<[f64; 2]> {
+        let [column, row] = [(x - self.low[0]) * self.cells_per_mm, (y - self.low[1]) * self.cells_per_mm];
         let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
-        inside.then(|| row as usize * self.columns + column as usize)
+        inside.then_some([column, row])
+    }
+
+    fn index(&self, at: [f64; 3]) -> Option<usize> {
+        self.cell_at(at).map(|[column, row]| row as usize * self.columns + column as usize)
     }
 
     /// How many cells there are.
@@ -178,39 +186,46 @@ impl Relief {
 
     /// Height at a position; minus infinity where nothing is.
     pub fn at(&self, x: f64, y: f64) -> f64 {
-        self.index(x, y).map_or(f64::NEG_INFINITY, |index| self.tops.at(index))
+        self.index([x, y, 0.0]).map_or(f64::NEG_INFINITY, |index| self.tops.at(index))
     }
 
     /// Raises the cell at a position.
-    fn raise(&mut self, x: f64, y: f64, z_mm: f64) {
-        if let Some(index) = self.index(x, y) {
-            self.tops.raise(index, z_mm);
+    fn raise(&mut self, at: [f64; 3]) {
+        if let Some(index) = self.index(at) {
+            self.tops.raise(index, at[2]);
         }
     }
 
     /// Raises the cells under a bead's middle line.
     pub fn lay(&mut self, bead: &Stroke) {
-        self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);
+        let highest_mm = bead.from[2].max(bead.to[2]);
+        self.highest_mm = self.highest_mm.max(highest_mm);
         if bead.arc.is_none() && bead.xy_mm <= self.cell_mm {
             if bead.from != self.end {
-                self.raise(bead.from[0], bead.from[1], bead.from[2]);
+                self.raise(bead.from);
             }
             self.end = bead.to;
-            return self.raise(bead.to[0], bead.to[1], bead.to[2]);
+            return self.raise(bead.to);
         }
         let count = self.samples(bead);
-        if bead.arc.is_some() {
-            for i in 0..=count {
-                let [x, y, z] = bead.at(f64::from(i) / f64::from(count));
-                self.raise(x, y, z);
+        match self.cell_at(bead.from).zip(self.cell_at(bead.to)) {
+            Some((from, to)) if bead.arc.is_none() && bead.from[2] == bead.to[2] => {
+                self.raise_between(from, to, count, highest_mm);
             }
-            return;
+            _ => (0..=count).for_each(|i| self.raise(bead.at(f64::from(i) / f64::from(count)))),
         }
-        let step = [0, 1, 2].map(|i| (bead.to[i] - bead.from[i]) / f64::from(count));
-        let mut at = bead.from;
+    }
+
+    /// Raises the cells at both ends of a line, columns and rows, and at `count` − 1 positions between, to one height.
+    fn raise_between(&mut self, from: [f64; 2], to: [f64; 2], count: u32, z_mm: f64) {
+        // Fixed point; what is cut off keeps steps between the ends.
+        const ONE: f64 = (1_u64 << FRACTION) as f64;
+        let mut at = from.map(|cells| (cells * ONE) as i64);
+        let step = [0, 1].map(|axis| ((to[axis] - from[axis]) * ONE / f64::from(count)) as i64);
         for _ in 0..=count {
-            self.raise(at[0], at[1], at[2]);
-            at = [at[0] + step[0], at[1] + step[1], at[2] + step[2]];
+            let [column, row] = at.map(|cells| (cells >> FRACTION) as usize);
+            self.tops.raise(row * self.columns + column, z_mm);
+            at = [at[0] + step[0], at[1] + step[1]];
         }
     }
 

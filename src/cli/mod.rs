@@ -16,6 +16,7 @@ mod host_args;
 #[cfg(feature = "send")]
 mod hosts;
 mod info;
+mod interrupt;
 mod pages;
 mod plan;
 mod presets;
@@ -44,7 +45,6 @@ use args::{Arguments, Command};
 
 use crate::job::Engine;
 use crate::limits;
-use crate::output;
 use crate::system;
 
 /// Runs the program with these arguments (its name first) and reports to standard output and standard error.
@@ -58,6 +58,10 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
             return if message.use_stderr() { Exit::Usage } else { Exit::Done };
         }
     };
+    // A slicing listens while it reads its settings.
+    if !matches!(args.command, Command::Slice(_)) {
+        interrupt::listen();
+    }
     let done = match &args.command {
         Command::Slice(args) => slice::run(args, engine),
         Command::Key(args) => slice::keys(args),
@@ -94,16 +98,4 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
         Ok(()) => failure.exit,
         Err(_) => Exit::Output,
     })
-}
-
-/// What an interrupt does: a server ends in order, and at once on the second one. Anything else ends at once, and what is
-/// incomplete is removed; of a print on a host it is said that it goes on.
-pub fn interrupted() {
-    #[cfg(feature = "serve")]
-    if serve::end() {
-        return;
-    }
-    #[cfg(feature = "send")]
-    send::interrupted();
-    output::abandon_and_exit(Exit::Interrupted as i32)
 }

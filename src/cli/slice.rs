@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::args::SliceArgs;
 use super::console::{self, Bar};
 use super::exit::{Exit, Failure, usage};
+use super::interrupt;
 use super::plan::{Destination, Plan, Plate, Task, named, no_package};
 use super::projects;
 use super::watch::Watch;
@@ -24,7 +25,8 @@ use crate::report::Summary;
 pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let watch = Watch::start(&args.limits, args.json)?;
     parallel::take_part(args.threads.map_or(0, Into::into));
-    let plan = Plan::new(args)?;
+    let (plan, ()) = parallel::join(|| Plan::new(args), interrupt::listen);
+    let plan = plan?;
     if args.json && plan.tasks.iter().any(|task| task.destination == Destination::Stdout) {
         return Err(usage("--json and the G-code both want standard output; give -o a file"));
     }

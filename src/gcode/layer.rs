@@ -273,7 +273,7 @@ impl<'a> Writer<'a> {
                 self.stop(&self.settings.pause)
             }
             Move::ColorChange => self.stop(&self.settings.color_change),
-            Move::ToolChange(change) => self.change_tool(change),
+            Move::ToolChange(ref change) => self.change_tool(change),
             Move::Swap(step) => self.swap(step),
         }
     }
@@ -507,8 +507,8 @@ impl<'a> Writer<'a> {
     }
 
     /// The change, then everything that a script may have changed.
-    fn change_tool(&mut self, change: ToolChange) {
-        let mark = tool::change(&mut self.out, &change, self.settings);
+    fn change_tool(&mut self, change: &ToolChange) {
+        let mark = tool::change(&mut self.out, change, self.settings);
         self.changes.push(mark);
         let own = self.settings.tools.get(usize::from(change.to));
         let place = self.parked.iter().position(|(tool, _)| *tool == change.to);

@@ -42,7 +42,7 @@ pub enum Move {
     /// A change to filament of another color, by the profile's script.
     ColorChange,
     /// A change to another tool, by its script, and what heats it.
-    ToolChange(ToolChange),
+    ToolChange(Box<ToolChange>),
     /// What is done with the filament before and after a change.
     Swap(SwapStep),
 }

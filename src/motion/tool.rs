@@ -34,7 +34,7 @@ impl Nozzle<'_> {
             self.lift(lifted_mm);
         }
         let [x, y] = self.at.unwrap_or_default();
-        self.moves.push(Move::ToolChange(ToolChange {
+        self.moves.push(Move::ToolChange(Box::new(ToolChange {
             from: before,
             to,
             before: hot,
@@ -42,7 +42,7 @@ impl Nozzle<'_> {
             time: own.change_time,
             wait: Seconds(own.shared_heating_s(hot, nozzle)),
             at_mm: [x, y, lifted_mm],
-        }));
+        })));
         // What a single nozzle is given is as far back as what was taken out.
         let is_parked = !own.keeps_filament || self.parked & (1 << to) != 0;
         self.parked = parked(self.parked, before, to, self.settings);

@@ -32,12 +32,15 @@ const PATIENCE: u64 = 4;
 /// Steps between two looks of who watches, some milliseconds.
 const LOOK: u64 = 100_000;
 
-/// Stages of so few items are searched thoroughly.
-const FEW: usize = 6;
-
 impl<'a> Search<'a> {
     /// Begins with a walk through nothing.
-    pub fn new(problem: &'a Problem<'a>, groups: &'a Groups, cost: Cost, watch: Watch<'a>) -> Self {
+    pub fn new(
+        problem: &'a Problem<'a>,
+        groups: &'a Groups,
+        cost: Cost,
+        few: usize,
+        watch: Watch<'a>,
+    ) -> Self {
         Self {
             problem,
             groups,
@@ -45,6 +48,7 @@ impl<'a> Search<'a> {
             neighbours: Neighbours::new(problem, groups, cost),
             reach: u32::MAX,
             vicinity: Vicinity::new(problem, groups),
+            few,
             complete: false,
             queue: VecDeque::new(),
             queued: vec![false; 2 * problem.items.len()],
@@ -173,9 +177,9 @@ impl<'a> Search<'a> {
         better
     }
 
-    /// Whether neighbouring loops are entered again together, which is expensive.
+    /// Whether a group's stage is searched thoroughly.
     fn is_thorough(&self, group: u32) -> bool {
-        self.positions_of_stage(group).len() <= FEW
+        self.positions_of_stage(group).len() <= self.few
     }
 
     /// Queues the nodes on both sides of a gap.

@@ -19,6 +19,8 @@ pub struct Search<'a> {
     /// Exchanges move at most this many items.
     pub(super) reach: u32,
     pub(super) vicinity: Vicinity<'a>,
+    /// Stages of so few items are searched thoroughly: neighbouring loops are entered again together, and kicked more at a time.
+    pub(super) few: usize,
     /// Whether all items are on the walk. Before that, stages are not fitted to each other: the search would pay for it again
     /// with every kick.
     pub(super) complete: bool,
