@@ -47,10 +47,13 @@ fn least_steps(effort: Effort) -> u64 {
     }
 }
 
-/// Stages of so few items are searched thoroughly. With less effort that takes a tenth of slicing a small model, and makes no print
-/// quicker.
+/// Stages of so few items, on average, are entered anew together at the end.
+const FEW: usize = 6;
+
+/// Stages of so few items are searched thoroughly: with less effort that takes a tenth of slicing a small model, and makes no print
+/// quicker than entering its paths anew at the end.
 fn few(effort: Effort) -> usize {
-    if effort == Effort::High { 6 } else { 0 }
+    if effort == Effort::High { FEW } else { 0 }
 }
 
 /// A solution that was found before gets one step in this many: only its ends are new.
@@ -89,6 +92,9 @@ impl Strategy for Optimized {
         search.end();
         let steps = if solved.is_some() { steps / RESUMED } else { steps };
         search.iterate(1..count as u32 + 1, &mut Random::new(count), steps);
+        if count <= stages * FEW as u64 {
+            search.enter_best();
+        }
         if led.is_none() {
             let nearest = Nearest.solve(problem, cost, effort);
             if evaluate(problem, &nearest, cost) < evaluate(problem, &search.sequence(), cost) {

@@ -97,6 +97,13 @@ impl<'a> Search<'a> {
         self.finish(|walk, gap| gap > walk.len() || walk.group_at(gap - 1) != walk.group_at(gap));
     }
 
+    /// Enters all paths where that is best for the whole walk, and goes on from there.
+    pub fn enter_best(&mut self) {
+        self.reenter_all(1, self.walk.len() + 1);
+        self.drain();
+        self.walk.commit();
+    }
+
     /// Lets the walk continue to where it must end, and improves it around some of its gaps.
     pub(super) fn finish(&mut self, concerns: impl Fn(&Walk, u32) -> bool) {
         self.walk.end_at(self.problem.end);
