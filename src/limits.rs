@@ -32,6 +32,9 @@ pub const BYTES_PER_BYTE: u64 = 3;
 /// Bytes that a print needs for each triangle that a layer crosses: outlines, shells, paths (measured: below 60).
 pub const BYTES_PER_CROSSING: u64 = 64;
 
+/// Less memory than this is not asked for: whatever runs has it, and asking takes a while.
+const ALWAYS_BYTES: u64 = 16 << 20;
+
 /// By what the messages of [`check_memory`] are known.
 pub(crate) const MEMORY_NEEDED: &str = "of memory are needed";
 
@@ -44,12 +47,13 @@ pub fn watch_memory(free_bytes: fn() -> Option<u64>) {
     let _ = MEMORY.set(free_bytes);
 }
 
-/// Checks that this much memory is free, if [`watch_memory`] has been called.
+/// Checks that this much memory is free, if it is more than any process has and [`watch_memory`] has been called.
 ///
 /// # Errors
 /// How much is needed, and how much there is.
 pub fn check_memory(need_bytes: u64) -> Result<(), String> {
-    match MEMORY.get().and_then(|free_bytes| free_bytes()) {
+    let free_bytes = MEMORY.get().filter(|_| need_bytes >= ALWAYS_BYTES).and_then(|free_bytes| free_bytes());
+    match free_bytes {
         Some(free_bytes) if need_bytes > free_bytes => {
             Err(format!("about {} MB {MEMORY_NEEDED}, {} MB are free", need_bytes >> 20, free_bytes >> 20))
         }

@@ -118,9 +118,8 @@ impl Pending {
     }
 
     pub fn patch(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
-        self.file.seek(SeekFrom::Start(offset))?;
-        self.file.write_all(bytes)?;
-        self.file.seek(SeekFrom::End(0)).map(drop)
+        self.file.flush()?;
+        write_at(self.file.get_ref().as_file(), offset, bytes)
     }
 
     /// What has been written, from an offset on.
@@ -150,6 +149,20 @@ impl Pending {
         pending.retain(|path| *path != temporary);
         renamed
     }
+}
+
+/// Writes at an offset; what is appended goes on where it would have.
+#[cfg(unix)]
+fn write_at(file: &File, offset: u64, bytes: &[u8]) -> io::Result<()> {
+    std::os::unix::fs::FileExt::write_all_at(file, bytes, offset)
+}
+
+/// Writes at an offset; what is appended goes on where it would have.
+#[cfg(not(unix))]
+fn write_at(mut file: &File, offset: u64, bytes: &[u8]) -> io::Result<()> {
+    file.seek(SeekFrom::Start(offset))?;
+    file.write_all(bytes)?;
+    file.seek(SeekFrom::End(0)).map(drop)
 }
 
 /// Removes incomplete output and ends the process, for a signal; from any thread. What has been renamed stays.
