@@ -3,11 +3,17 @@
 //! Threads are used if the caller runs in a pool of rayon's; elsewhere everything is done by the calling thread, and no pool is
 //! started.
 
+mod cpus;
+
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
 
+use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 
+use self::cpus::Cpus;
 use crate::observer::Observer;
 
 /// The panic payload of a cancelled run.
@@ -64,14 +70,34 @@ fn in_pool() -> bool {
 /// together from now on. Nothing happens where it is one of some already, or the system has no threads to give.
 pub(crate) fn take_part(threads: usize) {
     if HAS_THREADS && !in_pool() {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build();
-        if pool.is_ok() {
-            ONE_OF.set(Some(threads));
+        let cpus = Cpus::default();
+        cpus.begin();
+        let (begun, begins) = mpsc::channel();
+        let start = move |_| {
+            cpus.begin();
+            // Nobody waits any longer.
+            let _ = begun.send(());
+        };
+        let Ok(pool) =
+            ThreadPoolBuilder::new().num_threads(threads).use_current_thread().start_handler(start).build()
+        else {
+            return;
+        };
+        ONE_OF.set(Some(threads));
+        // Those that are on this thread's CPU need it to leave it.
+        let until = Instant::now() + BEGINNING;
+        for _ in 1..pool.current_num_threads() {
+            if begins.recv_timeout(until.saturating_duration_since(Instant::now())).is_err() {
+                break;
+            }
         }
         // They end with the program.
         std::mem::forget(pool);
     }
 }
+
+/// How long is waited for threads to begin.
+const BEGINNING: Duration = Duration::from_millis(1);
 
 thread_local! {
     /// Of how many this thread is one, as [`take_part`] was told.
@@ -88,7 +114,11 @@ pub(crate) fn run<T: Send>(
 ) -> Option<T> {
     let work = || work(Workers { observer });
     let threads = threads.filter(|_| HAS_THREADS && threads != ONE_OF.get());
-    let attempt = || match threads.map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build()) {
+    let pool = |n| {
+        let cpus = Cpus::default();
+        ThreadPoolBuilder::new().num_threads(n).start_handler(move |_| cpus.begin()).build()
+    };
+    let attempt = || match threads.map(pool) {
         Some(Ok(pool)) => pool.install(work),
         // Where the system has no threads to give, the caller does the work.
         Some(Err(_)) | None => work(),

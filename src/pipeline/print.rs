@@ -1,6 +1,7 @@
 //! One plate, from meshes to bytes.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use crate::estimate::{Machine, cool, move_times_s};
 use crate::gcode::{
@@ -294,6 +295,9 @@ struct OrderState<'a> {
     at: &'a mut Entry,
 }
 
+/// No fewer layers per thread are finished before they are written.
+const LAST_PART: usize = 4;
+
 /// Layers whose order is known.
 #[derive(Default)]
 struct Batch {
@@ -342,13 +346,12 @@ impl LayerMaker<'_> {
         let mut state = OrderState { seam: SeamRule::new(self.settings.seam.position), sequencer, at };
         let (mut planned, mut batch, mut done, mut kept) =
             (plan(0), Batch::default(), Vec::new(), Vec::new());
-        // The last batch is written two steps after it is ordered.
-        for step in 1..=count.div_ceil(length) + 2 {
+        for step in 1..=count.div_ceil(length) {
             if whole.is_none() {
                 planned.iter().try_for_each(|layer| floating.take(layer))?;
             }
             let order = || self.order(planned, step * length >= count, &mut state);
-            let finish = || workers.map(batch.entries.len(), |i| self.finish(&batch, i, round.first_layer));
+            let finish = || self.finished(&batch, 0..batch.entries.len(), round);
             let write = || writer.add(done);
             // What cannot be divided comes first.
             let beside = || parallel::join(write, || parallel::join(finish, || plan(step * length)));
@@ -358,6 +361,20 @@ impl LayerMaker<'_> {
                 kept.extend(batch.into_ordered(round.first_layer));
             }
             (planned, batch, done) = (next, ordered, finished);
+        }
+        // In parts that become shorter: nothing is left to do beside writing the last one.
+        let mut part = 0..0;
+        while part.end < batch.entries.len() {
+            let left = batch.entries.len() - part.end;
+            part = part.end..part.end + left.div_ceil(2).max(LAST_PART * parallel::threads()).min(left);
+            let finish = || self.finished(&batch, part.clone(), round);
+            let (written, finished) = parallel::join(|| writer.add(done), finish);
+            written?;
+            done = finished;
+        }
+        writer.add(done)?;
+        if self.certify {
+            kept.extend(batch.into_ordered(round.first_layer));
         }
         writer.finish()?;
         Ok(kept)
@@ -383,6 +400,11 @@ impl LayerMaker<'_> {
             })
             .collect();
         Batch { layers, entries }
+    }
+
+    /// Layers of a batch, finished.
+    fn finished(&self, batch: &Batch, layers: Range<usize>, round: &Round) -> Vec<FinishedLayer> {
+        self.workers.map(layers.len(), |i| self.finish(batch, layers.start + i, round.first_layer))
     }
 
     /// Motion, cooling and formatting of one layer of a batch, numbered after those of the rounds before.
