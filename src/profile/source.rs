@@ -33,8 +33,6 @@ pub(super) struct Reader {
     pub notes: Vec<Problem>,
     /// The profiles being read, outermost first, to notice one that inherits itself.
     open: Vec<Found>,
-    /// The profile that was read last, and how many assignments there were then: read once more, it would say nothing new.
-    last: Option<(PathBuf, usize)>,
     /// Profiles read so far.
     count: usize,
     too_many: bool,
@@ -105,19 +103,12 @@ impl Reader {
                 self.open[first..].iter().chain([&found]).map(|profile| profile.origin.to_string()).collect();
             return self.problem(asker, format!("profiles inherit in a circle: {}", circle.join(" → ")));
         }
-        let is_last =
-            |(last, count): &(PathBuf, usize)| *last == found.identity && *count == self.assignments.len();
-        if self.last.as_ref().is_some_and(is_last) {
-            return;
-        }
         match found.text.parse::<Table>() {
             Ok(table) => {
                 let (origin, folder) = (found.origin.clone(), found.folder.clone());
-                let identity = found.identity.clone();
                 self.open.push(found);
                 self.flatten(table, &origin, &folder);
                 self.open.pop();
-                self.last = Some((identity, self.assignments.len()));
             }
             Err(error) => {
                 let message = format!("is not valid TOML: {}", one_line(&error, &found.text));
@@ -202,16 +193,21 @@ impl Reader {
     /// Takes over what profiles say that a tool may have of its own; `tool` is what its keys begin with.
     fn tool_profiles(&mut self, tool: &str, profiles: &[String], folder: &Path, origin: &Origin) {
         let first = self.assignments.len();
-        self.last = None;
         for profile in profiles {
             self.read_from(profile, folder, origin);
         }
-        self.last = None;
         let read = self.assignments.split_off(first);
         let own = read.into_iter().filter(|assignment| tools::may_differ(&assignment.key));
         self.assignments.extend(
             own.map(|assignment| Assignment { key: format!("{tool}.{}", assignment.key), ..assignment }),
         );
+    }
+
+    /// Adds what another one has read, as if it had been read here.
+    pub fn append(&mut self, mut other: Self) {
+        self.assignments.append(&mut other.assignments);
+        self.problems.append(&mut other.problems);
+        self.notes.append(&mut other.notes);
     }
 
     fn assign(&mut self, key: String, value: Value, origin: &Origin) {

@@ -22,9 +22,6 @@ impl Grid {
             y => ax + (slope * (y - ay) as f64) as i64,
         };
         let (cell, columns, rows) = (i64::from(self.cell), self.columns as i64, self.rows as i64);
-        // Off by a cell only where one ends, which is within the slack; a division would take most of the time.
-        let per_cell = 1.0 / cell as f64;
-        let column_of = |x: i64| if x < 0 { -1 } else { (x as f64 * per_cell) as i64 };
         let (first, last) = ((ay - SLACK).div_euclid(cell), (by + SLACK).div_euclid(cell));
         let is_inside = first >= 0 && last < rows;
         is_inside
@@ -32,8 +29,8 @@ impl Grid {
                 let (low, high) = (row * cell - SLACK, (row + 1) * cell + SLACK);
                 // A level segment is in one row at all its abscissae.
                 let (enter, leave) = if low <= ay && by <= high { (ax, bx) } else { (at(low), at(high)) };
-                let from = column_of(enter.min(leave) - SLACK);
-                let to = column_of(enter.max(leave) + SLACK);
+                let from = (enter.min(leave) - SLACK).div_euclid(cell);
+                let to = (enter.max(leave) + SLACK).div_euclid(cell);
                 from >= 0 && to < columns && holds(row as usize, from as usize, to as usize + 1)
             })
     }
