@@ -68,6 +68,10 @@ fn in_pool() -> bool {
 
 /// Makes the calling thread one of so many (0: as many as `RAYON_NUM_THREADS` says, or else the machine has cores) that work
 /// together from now on. Nothing happens where it is one of some already, or the system has no threads to give.
+#[cfg_attr(
+    not(feature = "cli"),
+    expect(dead_code, reason = "what else there is leaves threads to its caller")
+)]
 pub(crate) fn take_part(threads: usize) {
     if HAS_THREADS && !in_pool() {
         let cpus = Cpus::default();
