@@ -77,16 +77,13 @@ pub(crate) fn take_part(threads: usize) {
         let cpus = Cpus::default();
         cpus.begin();
         let (begun, begins) = mpsc::channel();
+        // Whether somebody still waits for it is not a worker's affair.
         let start = move |_| {
             cpus.begin();
-            // Nobody waits any longer.
             let _ = begun.send(());
         };
-        let Ok(pool) =
-            ThreadPoolBuilder::new().num_threads(threads).use_current_thread().start_handler(start).build()
-        else {
-            return;
-        };
+        let builder = ThreadPoolBuilder::new().num_threads(threads).use_current_thread();
+        let Ok(pool) = builder.start_handler(start).build() else { return };
         ONE_OF.set(Some(threads));
         // Those that are on this thread's CPU need it to leave it.
         let until = Instant::now() + BEGINNING;

@@ -13,7 +13,6 @@ use super::source::{Assignment, Reader};
 use super::tools;
 use super::value::{check, shortened, shown, typed_value};
 use crate::limits;
-use crate::parallel;
 use crate::presets::Config;
 
 /// A setting given on the command line.
@@ -94,29 +93,10 @@ pub fn resolve_presets(
 /// # Errors
 /// As [`resolve`].
 pub(crate) fn resolve_layers<'a>(
-    layers: impl IntoIterator<Item = Layer<'a>, IntoIter: Send>,
+    layers: impl IntoIterator<Item = Layer<'a>>,
 ) -> Result<Resolved, ProfileError> {
-    let layers = layers.into_iter();
-    let lowest = || {
-        let mut reader = Reader::default();
-        reader.read(embedded::DEFAULT, "--profile");
-        (Settings::of_stages(), reader)
-    };
-    let ((stages, mut reader), others) = parallel::join(lowest, || read(layers));
-    reader.append(others);
-    let Reader { assignments, mut problems, notes, .. } = reader;
-    let Assigned { settings, origins, warnings } = assigned(stages, assignments, &mut problems);
-    if problems.is_empty() {
-        let warnings = notes.into_iter().chain(warnings).collect();
-        Ok(Resolved { settings, origins, warnings })
-    } else {
-        Err(ProfileError { problems })
-    }
-}
-
-/// Reads layers one after the other.
-fn read<'a>(layers: impl Iterator<Item = Layer<'a>>) -> Reader {
     let mut reader = Reader::default();
+    reader.read(embedded::DEFAULT, "--profile");
     for layer in layers {
         let (key, value, origin) = match layer {
             Layer::Presets(presets) => {
@@ -142,7 +122,15 @@ fn read<'a>(layers: impl Iterator<Item = Layer<'a>>) -> Reader {
         };
         reader.assignments.push(Assignment { key: key.to_owned(), value: typed_value(key, value), origin });
     }
-    reader
+    let Reader { assignments, mut problems, notes, .. } = reader;
+    let Assigned { settings, origins, warnings } =
+        assigned(Settings::of_stages(), assignments, &mut problems);
+    if problems.is_empty() {
+        let warnings = notes.into_iter().chain(warnings).collect();
+        Ok(Resolved { settings, origins, warnings })
+    } else {
+        Err(ProfileError { problems })
+    }
 }
 
 /// Settings after assignments, with what they brought.

@@ -203,13 +203,6 @@ impl Reader {
         );
     }
 
-    /// Adds what another one has read, as if it had been read here.
-    pub fn append(&mut self, mut other: Self) {
-        self.assignments.append(&mut other.assignments);
-        self.problems.append(&mut other.problems);
-        self.notes.append(&mut other.notes);
-    }
-
     fn assign(&mut self, key: String, value: Value, origin: &Origin) {
         self.assignments.push(Assignment { key, value, origin: origin.clone() });
     }
