@@ -1,16 +1,30 @@
-//! What the beads of a part leave of it, where it is to be solid.
+//! What the beads of an island leave of it, where it is to be solid.
 //!
-//! Parts of different tools have narrow and bent rooms, in which walls, patches of solid infill and single beads meet at all angles.
-//! What lies between them shows only when all are there.
+//! In narrow and bent rooms walls, patches of solid infill, bridge lines and single beads meet at all angles. What lies between
+//! them shows only when all are there. Where that is, cells tell in a moment; what it looks like, exact outlines.
 
-use geometry::{Point, Polygon, Region, Ring, real};
+use geometry::{Bounds, Boxes, Point, Polygon, Region, Ring, real};
 
+use super::Role;
 use super::bead;
 use super::beading::{self, Gap};
 use super::path::Path;
+use super::support::{self, Grid, Within};
 
-/// Smaller places are not worth the travel to them, mm².
-const SMALLEST_MM2: f64 = 0.02;
+/// Side of a cell.
+const CELL_MM: f64 = 0.05;
+
+/// Areas have at most so many cells along a side: 8 MB.
+const MOST_CELLS: f64 = 8192.0;
+
+/// To cells, beads are so much wider on both sides: those side by side leave none.
+const WIDER_MM: f64 = 0.02;
+
+/// As much of a place as cells surely show: those at its edge count as covered.
+const SEEN: f64 = 0.25;
+
+/// Places reach so far around the cells that no bead covers.
+const AROUND_MM: f64 = 0.3;
 
 /// What is narrower is no part of them, mm: a bead's ends, which do not reach into tips, hold what is open there.
 const NARROWEST_MM: f64 = 0.1;
@@ -29,15 +43,32 @@ pub(super) struct Place {
     pub open_mm2: f64,
 }
 
-/// Where single beads fit between the others in an area.
-pub(super) fn find(area: &Region, paths: &[Path]) -> Vec<Place> {
-    if area.is_empty() {
+/// What is to be solid.
+pub(super) struct Room<'a> {
+    /// Areas that do not overlap.
+    pub areas: &'a [&'a Region],
+    /// Sparse infill, beside which nothing is filled,
+    pub sparse: &'a Region,
+    /// no further than this.
+    pub beside_mm: f64,
+    /// Smaller places are not worth the travel to them.
+    pub smallest_mm2: f64,
+}
+
+/// Where single beads fit between others.
+pub(super) fn find<'a>(room: &Room<'_>, paths: impl Iterator<Item = &'a Path> + Clone) -> Vec<Place> {
+    let near = room.near(paths.clone());
+    if near.is_empty() {
         return Vec::new();
     }
-    let covered: Vec<Ring> = paths.iter().flat_map(rings).collect();
-    let open = geometry::difference(area, &geometry::unite_rings(&covered));
+    let boxes = Boxes::of(&near);
+    let is_near = |ring: &Ring| {
+        Bounds::of(ring.iter().copied()).is_some_and(|bounds| !boxes.touching(&bounds).is_empty())
+    };
+    let covered: Vec<Ring> = paths.flat_map(|path| rings(path, 0.0)).filter(is_near).collect();
+    let open = geometry::difference(&room.within(&near), &geometry::unite_rings(&covered));
     let wide = geometry::opening(&open, NARROWEST_MM / 2.0);
-    let places = wide.polygons().iter().filter(|polygon| polygon.area_mm2() >= SMALLEST_MM2);
+    let places = wide.polygons().iter().filter(|polygon| polygon.area_mm2() >= room.smallest_mm2);
     let place = |polygon: &Polygon| {
         let region = Region::from(polygon.clone());
         let around = geometry::offset(&region, beading::MIN_GAP_MM);
@@ -47,11 +78,42 @@ pub(super) fn find(area: &Region, paths: &[Path]) -> Vec<Place> {
     places.map(place).collect()
 }
 
-/// What a bead covers with its spacing: a ring for each line, and one for each turn.
-fn rings(path: &Path) -> Vec<Ring> {
+impl Room<'_> {
+    /// Around cells that no bead covers, where these are enough for a place.
+    fn near<'a>(&self, paths: impl Iterator<Item = &'a Path>) -> Region {
+        let all = self.areas.iter().filter_map(|area| area.bounds()).reduce(|a, b| a.joined(&b));
+        let Some(bounds) = all else { return Region::default() };
+        let grid = Grid::of_at_most(MOST_CELLS, bounds, 2.0 * CELL_MM, CELL_MM);
+        let covered: Vec<Ring> = paths.flat_map(|path| rings(path, WIDER_MM)).collect();
+        let fewest = (self.smallest_mm2 * SEEN / grid.cell_mm().powi(2)) as usize;
+        let mut near = Vec::new();
+        for area in self.areas.iter().filter(|area| !area.is_empty()) {
+            let mut open = Within::of(grid, area).into_cells();
+            covered.iter().for_each(|ring| open.remove_convex(ring));
+            open.remove_small(fewest);
+            if !open.is_empty() {
+                near.push(support::trace(&open.grown(grid.cells(AROUND_MM))));
+            }
+        }
+        geometry::union_all(&near)
+    }
+
+    /// What of it lies near.
+    fn within(&self, near: &Region) -> Region {
+        let close = |area: &Region| geometry::intersection(area, near);
+        let areas: Vec<Region> = self.areas.iter().map(|area| close(area)).collect();
+        let sparse = geometry::intersection(self.sparse, &geometry::offset(near, self.beside_mm));
+        geometry::difference(&geometry::union_all(&areas), &geometry::offset(&sparse, self.beside_mm))
+    }
+}
+
+/// What a bead covers with its spacing, and so much beside it: convex rings, one for each line and for each turn.
+fn rings(path: &Path, more_mm: f64) -> Vec<Ring> {
     let count = path.points.len();
-    let rounding_mm = bead::rounding_mm(path.height_mm);
-    let half_mm = |k: usize| ((path.width.at_mm(k) - rounding_mm) / 2.0).max(0.0);
+    // Threads in air lie as far apart as they are wide.
+    let is_thread = path.role == Role::BridgeInfill;
+    let rounding_mm = if is_thread { 0.0 } else { bead::rounding_mm(path.height_mm) };
+    let half_mm = |k: usize| (path.width.at_mm(k) - rounding_mm).max(0.0) / 2.0 + more_mm;
     let lines = if path.closed { count } else { count - 1 };
     let mut rings = Vec::with_capacity(lines);
     let mut before: Option<[f64; 2]> = None;
@@ -92,7 +154,7 @@ fn round(at: Point, radius_mm: f64) -> Ring {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::{Phase, Role, Width};
+    use crate::toolpath::{Phase, Width};
 
     const HEIGHT_MM: f64 = 0.2;
     const SPACING_MM: f64 = 0.4;
@@ -115,23 +177,32 @@ mod tests {
         Region::from(Polygon { outer, holes: Vec::new() })
     }
 
+    fn places(area: &Region, paths: &[Path]) -> Vec<Place> {
+        let sparse = Region::default();
+        find(
+            &Room { areas: &[area], sparse: &sparse, beside_mm: SPACING_MM, smallest_mm2: 0.02 },
+            paths.iter(),
+        )
+    }
+
     #[test]
     fn lines_side_by_side_leave_nothing() {
         let lines: Vec<Path> = (0..5)
             .map(|k| 0.2 + SPACING_MM * f64::from(k))
             .map(|y_mm| bead(&[[0.0, y_mm], [10.0, y_mm]]))
             .collect();
-        assert_eq!(find(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 2.0], [0.0, 2.0]]), &lines).len(), 0);
+        let strip = |depth_mm: f64| region(&[[0.0, 0.0], [10.0, 0.0], [10.0, depth_mm], [0.0, depth_mm]]);
+        assert_eq!(places(&strip(2.0), &lines).len(), 0);
         // Nor does one line that turns at each end, but in the corners outside of its turns, which are small.
         let line = bead(&[[0.0, 0.2], [9.8, 0.2], [9.8, 0.6], [0.2, 0.6], [0.2, 1.0], [10.0, 1.0]]);
-        assert_eq!(find(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.2], [0.0, 1.2]]), &[line]).len(), 0);
+        assert_eq!(places(&strip(1.2), &[line]).len(), 0);
     }
 
     #[test]
     fn a_wedge_between_two_lines_is_left_as_far_as_a_bead_fits_into_it() {
         // From nothing to 0.5 mm wide.
         let lines = [bead(&[[0.0, 0.2], [10.0, 0.2]]), bead(&[[0.0, 0.6], [10.0, 1.1]])];
-        let places = find(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.3], [0.0, 0.8]]), &lines);
+        let places = places(&region(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.3], [0.0, 0.8]]), &lines);
         let [Place { gap, open_mm2 }] = places.as_slice() else { panic!("{} places", places.len()) };
         let [polygon] = gap.area.polygons() else { panic!("{:?}", gap.area) };
         let reach = polygon.outer.iter().map(|point| point.mm()[0]).fold(f64::INFINITY, f64::min);

@@ -41,6 +41,12 @@ const EMBEDDED: f64 = 0.35;
 /// What outermost walls leave is not filled further outside than this, in their widths.
 const INSIDE: f64 = 0.6;
 
+/// Smaller places between the beads of skins are not worth the travel to them.
+const SMALLEST_MM2: f64 = 0.05;
+
+/// Nor are these in the parts of tools, which have more of them.
+const SMALLEST_OF_PART_MM2: f64 = 0.02;
+
 /// The settings that toolpaths depend on.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(missing_docs)]
@@ -381,15 +387,19 @@ impl Planner {
         let first = layer.paths.len();
         let tool = layer.tool;
         layer.paths.extend(paths.into_iter().map(|path| Path { tool, ..path }));
+        let walls = layer.paths.len();
 
         let settings = &self.settings.infill;
         let mut zones = self.zones(&inside, object, section, hollow.as_ref());
+        let mut bridged = Region::default();
         if let Some(support_below) = support_below.as_ref().filter(|_| self.settings.bridge.enabled) {
             let line = self.bridge_line(widths.solid_mm, section.height_mm);
             let first = layer.paths.len();
             for bridge in
                 bridges::take(&mut zones, &inside, polygon, support_below, line.spacing_mm, line.anchor_mm)
             {
+                let laid = geometry::intersection(&bridge.area, support_below.region);
+                bridged.add_disjoint(laid.into_polygons());
                 match self.extra_perimeters(&bridge, &inside, support_below, &line) {
                     Some(lines) => layer.extra_perimeters(lines, &line, support_below),
                     None => layer.bridge(&bridge, &line, support_below, settings),
@@ -400,12 +410,11 @@ impl Planner {
         if settings.solid_area > 0.0 && settings.density.0 > 0.0 {
             zones.fill_small(settings.solid_area);
         }
-        beside_sparse::leave_out(
-            &mut layer.paths,
-            first,
-            &zones,
-            bead::spacing_mm(widths.infill_mm, section.height_mm),
-        );
+        let bridges = layer.paths.split_off(walls);
+        let sparse_mm = bead::spacing_mm(widths.infill_mm, section.height_mm);
+        beside_sparse::leave_out(&mut layer.paths, first, &zones, sparse_mm);
+        let within_walls = layer.paths.len();
+        layer.paths.extend(bridges);
         // The layer on the bed is seen, and prints that are solid throughout are strong where their layers cross.
         let inner = section.index > 0 && settings.density.0 <= infill::SOLID_DENSITY;
         let solid = Solid {
@@ -432,28 +441,35 @@ impl Planner {
             fit_angle: false,
         };
         layer.solid(&zones.top, &solid, section.index, settings);
-        if object.tool.is_some() && self.settings.walls.gap_fill {
-            self.leftovers(layer, first, polygon, &zones.sparse, section);
+        if self.settings.walls.gap_fill && object.tool.is_some() {
+            let outermost_mm = INSIDE * self.wall_spec(section).external_width_mm;
+            let part = geometry::offset(&Region::from(polygon.clone()), -outermost_mm);
+            let solid = geometry::difference(&part, &zones.sparse);
+            self.leftovers(layer, first, &[&solid], &zones.sparse, section);
+        } else if self.settings.walls.gap_fill {
+            let skins = [&bridged, &zones.solid, &zones.top];
+            self.leftovers(layer, within_walls, &skins, &zones.sparse, section);
         }
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);
         }
     }
 
-    /// Fills what the paths of a part, from `first` on, leave between them inside its outermost walls and beside sparse infill.
+    /// Fills what the paths from `first` on leave between them in areas that are to be solid.
     fn leftovers(
         &self,
         layer: &mut LayerBuilder<'_>,
         first: usize,
-        polygon: &Polygon,
+        areas: &[&Region],
         sparse: &Region,
         section: &PlateLayer<'_>,
     ) {
-        let spec = self.wall_planner().spec(section.index, section.height_mm);
-        let spacing_mm = bead::spacing_mm(spec.width_mm, section.height_mm);
-        let inside = geometry::offset(&Region::from(polygon.clone()), -INSIDE * spec.external_width_mm);
-        let solid = geometry::difference(&inside, &geometry::offset(sparse, spacing_mm));
-        for place in leftovers::find(&solid, &layer.paths[first..]) {
+        let spec = self.wall_spec(section);
+        let beside_mm = bead::spacing_mm(spec.width_mm, section.height_mm);
+        let smallest_mm2 = if layer.tool.is_some() { SMALLEST_OF_PART_MM2 } else { SMALLEST_MM2 };
+        let room = leftovers::Room { areas, sparse, beside_mm, smallest_mm2 };
+        let solid = |path: &&Path| path.role != Role::InternalInfill;
+        for place in leftovers::find(&room, layer.paths[first..].iter().filter(solid)) {
             let widths_mm = beading::MIN_GAP_MM..=spec.widest_gap_mm();
             layer.whole_gap(Role::GapFill, Phase::Inside, &place.gap, widths_mm, place.open_mm2);
         }

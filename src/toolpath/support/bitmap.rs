@@ -5,7 +5,7 @@
 
 use geometry::{Bounds, Point, Region};
 
-/// No grid has more cells than this along a side: a layer then has at most 128 kB.
+/// Grids have at most so many cells along a side, unless asked for: a layer then has at most 128 kB.
 const MOST_CELLS: f64 = 1024.0;
 
 pub(super) const WORD: usize = 64;
@@ -24,9 +24,14 @@ pub struct Grid {
 impl Grid {
     /// Cells of at least `cell_mm` over a box and `margin_mm` around it.
     pub fn new(bounds: Bounds, margin_mm: f64, cell_mm: f64) -> Self {
+        Self::of_at_most(MOST_CELLS, bounds, margin_mm, cell_mm)
+    }
+
+    /// The same with at most so many cells along a side.
+    pub fn of_at_most(most_cells: f64, bounds: Bounds, margin_mm: f64, cell_mm: f64) -> Self {
         let (min, max) = (bounds.min.mm(), bounds.max.mm());
         let size_mm = [0, 1].map(|i| max[i] - min[i] + 2.0 * margin_mm);
-        let cell_mm = cell_mm.max(size_mm[0] / MOST_CELLS).max(size_mm[1] / MOST_CELLS);
+        let cell_mm = cell_mm.max(size_mm[0] / most_cells).max(size_mm[1] / most_cells);
         let count = |mm: f64| (mm / cell_mm).ceil().max(1.0) as usize;
         Self {
             origin: Point::from_mm(min[0] - margin_mm, min[1] - margin_mm),
@@ -228,6 +233,65 @@ impl Bitmap {
         run.for_each(|(word, bits)| words[word] |= bits);
     }
 
+    /// Takes out the cells whose middles lie in a convex polygon.
+    pub fn remove_convex(&mut self, ring: &[Point]) {
+        let Grid { origin, cell, columns, rows } = self.grid;
+        // In cells, from the middle of the first one on.
+        let at = |v: i32, from: i32| (f64::from(v) - f64::from(from)) / f64::from(cell) - 0.5;
+        let corners: Vec<[f64; 2]> = ring.iter().map(|p| [at(p.x, origin.x), at(p.y, origin.y)]).collect();
+        let limit = |y: f64| y.clamp(0.0, rows as f64) as usize;
+        let low = corners.iter().map(|[_, y]| *y).fold(f64::INFINITY, f64::min);
+        let high = corners.iter().map(|[_, y]| *y).fold(f64::NEG_INFINITY, f64::max);
+        let (first, end) = (limit(low.ceil()), limit(high.floor() + 1.0));
+        if first >= end || self.words.is_empty() {
+            return;
+        }
+        let mut spans = vec![[f64::INFINITY, f64::NEG_INFINITY]; end - first];
+        for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            let [[ax, ay], [bx, by]] = if a[1] <= b[1] { [*a, *b] } else { [*b, *a] };
+            let slope = if by > ay { (bx - ax) / (by - ay) } else { 0.0 };
+            for row in limit(ay.ceil()).max(first)..limit(by.floor() + 1.0).min(end) {
+                let x = ax + slope * (row as f64 - ay);
+                let [left, right] = &mut spans[row - first];
+                (*left, *right) = (left.min(x), right.max(x));
+            }
+        }
+        for (row, [left, right]) in (first..end).zip(spans) {
+            let from = left.ceil().max(0.0) as usize;
+            let to = (right.floor() + 1.0).clamp(0.0, columns as f64) as usize;
+            self.grid.run(row, from, to).for_each(|(word, bits)| self.words[word] &= !bits);
+        }
+    }
+
+    /// Takes out what hangs together, over corners too, in fewer cells than this.
+    pub fn remove_small(&mut self, least: usize) {
+        let mut rest = self.clone();
+        let (mut ahead, mut part) = (Vec::new(), Vec::new());
+        for cell in self.clone().cells() {
+            ahead.extend(rest.take(cell).then_some(cell));
+            while let Some([x, y]) = ahead.pop() {
+                part.push([x, y]);
+                let beside = (0..9).map(|k| [(x + k % 3).wrapping_sub(1), (y + k / 3).wrapping_sub(1)]);
+                ahead.extend(beside.filter(|&cell| rest.take(cell)));
+            }
+            if part.len() < least {
+                for &cell in &part {
+                    self.take(cell);
+                }
+            }
+            part.clear();
+        }
+    }
+
+    /// Takes out a cell; whether it was in it.
+    fn take(&mut self, [x, y]: [usize; 2]) -> bool {
+        let had = self.has([x, y]);
+        if had {
+            self.words[y * self.grid.stride() + x / WORD] &= !(1 << (x % WORD));
+        }
+        had
+    }
+
     /// Its cells, row by row.
     pub fn cells(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
         let stride = self.grid.stride();
@@ -386,6 +450,34 @@ mod tests {
         assert!(map.cells().all(|cell| map.has(cell)));
         assert!(Bitmap::of(grid(), &square(5.3, 5.3, 0.1)).is_empty());
         assert_eq!(Bitmap::touching(grid(), &square(5.3, 5.3, 0.1)).cells().count(), 1);
+    }
+
+    #[test]
+    fn a_convex_polygon_takes_out_the_cells_whose_middles_it_holds() {
+        let all = Bitmap::of(grid(), &square(0.0, 0.0, 40.0));
+        for k in 0..40 {
+            let turn = f64::from(k) * 0.37;
+            let corner = |i: i32| {
+                let (angle, radius) = (turn + f64::from(i) * 1.7, 1.1 + 0.1 * f64::from(k));
+                Point::from_mm(15.0 + radius * angle.cos(), 4.0 + 0.6 * radius * angle.sin())
+            };
+            let ring: Vec<Point> = (0..3).map(corner).collect();
+            let (mut left, mut expected) = (all.clone(), all.clone());
+            left.remove_convex(&ring);
+            expected.remove(&Bitmap::of(grid(), &Region::from(Polygon { outer: ring, holes: Vec::new() })));
+            assert_eq!(left, expected, "{k}");
+        }
+    }
+
+    #[test]
+    fn small_parts_are_taken_out() {
+        let (mut both, wide) = (Bitmap::of(grid(), &square(10.0, 4.0, 1.0)), square(30.0, 2.0, 3.0));
+        let wide = Bitmap::of(grid(), &wide);
+        both.add(&wide);
+        both.remove_small(4);
+        assert_eq!(both.cells().count(), 4 + 36);
+        both.remove_small(5);
+        assert_eq!(both, wide);
     }
 
     #[test]

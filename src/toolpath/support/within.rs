@@ -97,6 +97,11 @@ impl Within {
         Self { first, cells: if is_whole { cells } else { Bitmap::empty(grid) } }
     }
 
+    /// Its cells, on the part of the grid where the region is.
+    pub fn into_cells(self) -> Bitmap {
+        self.cells
+    }
+
     /// Whether the boundary of a region surely passes only cells that are in all of some sets of one grid.
     pub fn all_hold_boundary(grid: Grid, sets: &[&Self], region: &Region) -> bool {
         let holds = |row: usize, from: usize, to: usize| {
