@@ -17,6 +17,8 @@ struct Told {
     load: Vec<f64>,
     unload: Vec<f64>,
     any: [f64; 3],
+    /// Whether each filament stays in a nozzle of its own: then nothing is loaded at a change, whatever the file says of it.
+    stays_loaded: bool,
 }
 
 /// A heater, by what the file has asked of it.
@@ -130,8 +132,8 @@ impl Told {
         if let Some(seconds) = of(&self.change, tool) {
             return seconds;
         }
-        let theirs = of(&self.load, tool).unwrap_or(0.0) + of(&self.unload, before).unwrap_or(0.0);
-        let theirs_s = theirs + self.any.iter().sum::<f64>();
+        let swapped = of(&self.load, tool).unwrap_or(0.0) + of(&self.unload, before).unwrap_or(0.0);
+        let theirs_s = if self.stays_loaded { 0.0 } else { swapped } + self.any.iter().sum::<f64>();
         // They say 0 where they were not told.
         if theirs_s > 0.0 { theirs_s } else { machine.change_s }
     }
@@ -157,6 +159,10 @@ impl Told {
             "tool_heating_rate" => &mut self.heating_rate,
             "filament_load_time" => &mut self.load,
             "filament_unload_time" => &mut self.unload,
+            "single_extruder_multi_material" => {
+                self.stays_loaded = value.trim() == "0";
+                return;
+            }
             key => {
                 let names = [
                     "machine_tool_change_time",
@@ -202,6 +208,14 @@ mod tests {
         assert_eq!(seconds(&format!("{text}{theirs}")), 114.0);
         assert_eq!(seconds(&format!("{text}; filament_load_time = 0,0\n")), 20.0);
         assert_eq!(seconds("T0\nT255\nT1000\nT0\n"), 0.0, "orders to a changer");
+    }
+
+    #[test]
+    fn tools_with_nozzles_of_their_own_load_nothing_at_a_change() {
+        let text = "T0\nT1\nT0\n; filament_load_time = 3,5\n; filament_unload_time = 10,20\n";
+        let single = |value: &str| seconds(&format!("{text}; single_extruder_multi_material = {value}\n"));
+        assert_eq!(single("1"), 38.0);
+        assert_eq!(single("0"), 20.0, "twice the profile's");
     }
 
     #[test]
