@@ -412,6 +412,17 @@ mod tests {
     }
 
     #[test]
+    fn tools_that_a_change_parks_are_not_in_the_way_of_others() {
+        let ahead = |script: &str| {
+            let two = "nozzle_diameter = 0.4,0.4\nsingle_extruder_multi_material = 0\n";
+            value(&format!("{two}toolchange_gcode = {script}\n"), "tool_change.ahead")
+        };
+        assert_eq!(ahead("P0\\nT[next_extruder]"), Some(Value::Float(0.0)));
+        // As it is written for the Original Prusa XL.
+        assert_eq!(ahead("{\\nif true then\\n      \"P0 S1 L2 D0\\n\";\\nendif\\n}T1 S1 L0 D0"), None);
+    }
+
+    #[test]
     fn widths_that_are_stated_are_those_of_every_nozzle_and_others_follow_each() {
         let widths = |text: &str| {
             let import = import(&format!("nozzle_diameter = 0.4,0.6\n{text}"));

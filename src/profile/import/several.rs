@@ -32,9 +32,16 @@ pub(super) fn kind(config: &Config) -> Outcome {
     of_several(config, || Some(Value::String(kind.name().into())))
 }
 
-/// Of several nozzles it is not known whether the others are out of the way.
+/// Of several nozzles it is not known whether the others are out of the way, unless the script of a change parks them.
 pub(super) fn ahead(config: &Config) -> Outcome {
-    if is_single(config) { Idle } else { of_several(config, || Some(Value::Float(0.0))) }
+    if is_single(config) || parks(config) { Idle } else { of_several(config, || Some(Value::Float(0.0))) }
+}
+
+/// Whether a change puts the tool in use back into its dock, as that of the Original Prusa XL does with `P0 S1`.
+fn parks(config: &Config) -> bool {
+    let script = config.script("toolchange_gcode");
+    let mut lines = script.lines().map(|line| line.trim_start_matches([' ', '\t', '"']));
+    lines.any(|line| line.starts_with("P0 S1"))
 }
 
 pub(super) fn script(config: &Config) -> Outcome {

@@ -566,8 +566,8 @@ pub(super) const ROWS: &[Row] = &[
     ),
     with(
         "tool_change.ahead",
-        &["single_extruder_multi_material"],
-        "of several extruders with nozzles of their own 0, as they may hang side by side",
+        &["single_extruder_multi_material", "toolchange_gcode"],
+        "of several extruders with nozzles of their own 0, as they may hang side by side, unless the script parks tools (`P0 S1`)",
         t::ahead,
     ),
     with("tool_change.script", &["toolchange_gcode"], SCRIPT_OF_SEVERAL, t::script),
