@@ -516,6 +516,18 @@ fn beads_are_between_half_and_one_and_a_half_times_as_wide_as_asked_for() {
 }
 
 #[test]
+fn where_thin_walls_meet_and_cross_nothing_is_laid_twice() {
+    for thickness_mm in [0.35, 0.45, 0.6] {
+        let wall = |x: f64, y: f64, wide_mm: f64, long_mm: f64| rectangle(x, y, x + wide_mm, y + long_mm);
+        let across = [wall(5.0, 0.0, thickness_mm, 4.1), wall(13.0, 0.0, thickness_mm, 9.0)];
+        let along = wall(0.0, 4.0, 20.0, thickness_mm);
+        let walls = across.iter().fold(along, |all, wall| geometry::union(&all, wall));
+        let found = coverage(&walls, &solid_layer(&walls).paths);
+        assert!(found.double <= 0.008, "{thickness_mm} mm: {found:?}");
+    }
+}
+
+#[test]
 fn a_wedge_is_filled_from_its_thin_to_its_thick_end() {
     let outer = ring(&[(0.0, -0.15), (30.0, -1.0), (30.0, 1.0), (0.0, 0.15)]);
     let section = Region::from(Polygon { outer, holes: vec![] });

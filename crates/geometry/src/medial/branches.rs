@@ -27,6 +27,13 @@ impl Branch {
     fn end(&self, i: usize) -> u32 {
         if i == 0 { self.nodes[0] } else { self.nodes[self.nodes.len() - 1] }
     }
+
+    /// Ends where the region widens to the junction at one of its ends: the line that goes on there covers that.
+    fn leave_junction(&mut self, end: usize) {
+        if self.nodes.len() > 2 {
+            self.nodes.remove(if end == 0 { 0 } else { self.nodes.len() - 1 });
+        }
+    }
 }
 
 /// Removes branches with a free end that reach no farther than the region is wide where they leave: they lead into
@@ -116,7 +123,8 @@ fn walk(nodes: &[Node], start: u32, first: u32, run: &mut Vec<u32>) {
     }
 }
 
-/// Joins the branches at junctions, the straightest pairs first, and adds the loops that have no junction.
+/// Joins the straightest pair of branches at each junction, lets the others end beside it, and adds the loops that have no
+/// junction.
 ///
 /// Junctions closer to each other than half their width are one.
 pub(super) fn axis_paths(nodes: &[Node], all: Vec<Branch>) -> Vec<AxisPath> {
@@ -156,13 +164,13 @@ pub(super) fn axis_paths(nodes: &[Node], all: Vec<Branch>) -> Vec<AxisPath> {
                 }
             }
         }
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-        for (_, i, j) in pairs {
+        let straightest = pairs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, i, j)) = straightest {
             let (a, b) = (&group[i], &group[j]);
-            if partner[a.1][a.2].is_none() && partner[b.1][b.2].is_none() {
-                partner[a.1][a.2] = Some((b.1, b.2));
-                partner[b.1][b.2] = Some((a.1, a.2));
-            }
+            partner[a.1][a.2] = Some((b.1, b.2));
+            partner[b.1][b.2] = Some((a.1, a.2));
+            let others = (0..group.len()).filter(|&k| k != i && k != j);
+            others.for_each(|k| branches[group[k].1].leave_junction(group[k].2));
         }
     }
 

@@ -38,8 +38,8 @@ impl Default for KnownAxes {
 
 /// The middle lines of a region whose parts are about `min_mm` to `max_mm` wide.
 ///
-/// Branches that lead into corners are pruned; at junctions the straightest branches are joined and the others
-/// end there. Free ends reach to `tip` times the local width from the boundary: with ½, a bead with round ends just
+/// Branches that lead into corners are pruned; at a junction the two straightest branches are one line, and the others
+/// end beside it. Free ends reach to `tip` times the local width from the boundary: with ½, a bead with round ends just
 /// touches it; with less, the bead fills the corners beside its end better and overlaps what is beyond. Parts narrower
 /// than `min_mm` are left out; widths above `max_mm` are reported as `max_mm`. All points are inside the region. Paths
 /// come polygon by polygon.
