@@ -53,7 +53,7 @@ impl Zones {
 /// `above` and `below` are the windows of [`Shells`](super::Shells), `next` is the section of the layer above (empty on the
 /// last). Very narrow solid strips are left to the walls beside them; sparse ones become solid. Solid patches `reach`
 /// over a line of sparse infill beneath. A surface continues under ribs that rise out of it and are narrower than twice
-/// `walls_mm`: their walls stand on it, and not on sparse infill.
+/// `walls_mm`: their walls stand on it, and not on sparse infill or a patch of their own.
 pub fn divide(
     inside: &Region,
     above: Option<Window<'_>>,
@@ -100,7 +100,12 @@ pub fn divide(
     if exposed.is_empty() {
         return Zones { sparse, solid, top: exposed, sparse_mm2 };
     }
-    let ribs = under_ribs(&sparse, &exposed, next, line_mm, walls_mm);
+    let hidden = if solid.area_mm2() - exposed.area_mm2() < CRUMB_MM2 {
+        Region::default()
+    } else {
+        geometry::remainder(&solid, &exposed)
+    };
+    let ribs = under_ribs(&geometry::union(&sparse, &hidden), &exposed, next, line_mm, walls_mm);
     let mut zones = Zones { sparse, solid, top: exposed, sparse_mm2 };
     if !ribs.is_empty() {
         zones.leave_sparse(geometry::opening(&geometry::difference(&zones.sparse, &ribs), line_mm / 2.0));
@@ -111,11 +116,11 @@ pub fn divide(
     zones
 }
 
-/// The part of the sparse zone under the walls of a rib that rises out of a surface: beside exposed parts, where the
+/// The part of what is covered under the walls of a rib that rises out of a surface: beside exposed parts, where the
 /// next layer is too narrow for anything but walls.
-fn under_ribs(sparse: &Region, exposed: &Region, next: &Region, line_mm: f64, walls_mm: f64) -> Region {
+fn under_ribs(covered: &Region, exposed: &Region, next: &Region, line_mm: f64, walls_mm: f64) -> Region {
     let rough = |region: &Region| geometry::simplify(region, ROUGH_MM);
-    let beside = geometry::intersection(sparse, &geometry::offset(&rough(exposed), 2.0 * walls_mm));
+    let beside = geometry::intersection(covered, &geometry::offset(&rough(exposed), 2.0 * walls_mm));
     if beside.is_empty() {
         return beside;
     }

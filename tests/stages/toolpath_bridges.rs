@@ -184,6 +184,17 @@ fn the_surface_goes_on_under_ribs_of_walls_alone_but_not_under_what_has_infill()
     }
 }
 
+#[test]
+fn a_thin_plate_is_one_surface_under_its_ribs() {
+    // As thin as its shells, so that nothing of it is sparse.
+    let deck = rectangle(0.0, 0.0, 40.0, 40.0);
+    let rib = rectangle(18.03, 10.0, 18.63, 30.0);
+    let layers = plan(&[vec![deck; 4], vec![rib.clone(); 10]].concat(), &job());
+    assert!(!of_role(&layers[3], Role::TopSolidInfill).is_empty());
+    let patches = of_role(&layers[3], Role::SolidInfill).len() + of_role(&layers[3], Role::GapFill).len();
+    assert_eq!(patches, 0, "under the rib");
+}
+
 /// A strip with these corners that leads from one wall to another, in the layer where it does so first.
 fn strip_of(corners: &[(f64, f64)]) -> LayerPaths {
     let wall = |x: f64| rectangle(x, -10.0, x + 1.2, 10.0);
