@@ -11,8 +11,11 @@ use super::beading::{self, Gap};
 use super::path::Path;
 use super::support::{self, Grid, Within};
 
-/// Side of a cell.
-const CELL_MM: f64 = 0.05;
+/// Side of a cell, as a share of that of a square as large as the smallest place.
+const CELL: f64 = 0.45;
+
+/// As many cells as a place shows at least: those at the edge of an area count as covered.
+const FEWEST: usize = 2;
 
 /// Areas have at most so many cells along a side: 8 MB.
 const MOST_CELLS: f64 = 8192.0;
@@ -20,11 +23,8 @@ const MOST_CELLS: f64 = 8192.0;
 /// To cells, beads are so much wider on both sides: those side by side leave none.
 const WIDER_MM: f64 = 0.02;
 
-/// As much of a place as cells surely show: those at its edge count as covered.
-const SEEN: f64 = 0.25;
-
 /// Places reach so far around the cells that no bead covers.
-const AROUND_MM: f64 = 0.3;
+const AROUND_MM: f64 = 0.2;
 
 /// What is narrower is no part of them, mm: a bead's ends, which do not reach into tips, hold what is open there.
 const NARROWEST_MM: f64 = 0.1;
@@ -83,14 +83,14 @@ impl Room<'_> {
     fn near<'a>(&self, paths: impl Iterator<Item = &'a Path>) -> Region {
         let all = self.areas.iter().filter_map(|area| area.bounds()).reduce(|a, b| a.joined(&b));
         let Some(bounds) = all else { return Region::default() };
-        let grid = Grid::of_at_most(MOST_CELLS, bounds, 2.0 * CELL_MM, CELL_MM);
+        let cell_mm = CELL * self.smallest_mm2.sqrt();
+        let grid = Grid::of_at_most(MOST_CELLS, bounds, 2.0 * cell_mm, cell_mm);
         let covered: Vec<Ring> = paths.flat_map(|path| rings(path, WIDER_MM)).collect();
-        let fewest = (self.smallest_mm2 * SEEN / grid.cell_mm().powi(2)) as usize;
         let mut near = Vec::new();
         for area in self.areas.iter().filter(|area| !area.is_empty()) {
             let mut open = Within::of(grid, area).into_cells();
             covered.iter().for_each(|ring| open.remove_convex(ring));
-            open.remove_small(fewest);
+            open.remove_small(FEWEST);
             if !open.is_empty() {
                 near.push(support::trace(&open.grown(grid.cells(AROUND_MM))));
             }

@@ -41,7 +41,7 @@ const EMBEDDED: f64 = 0.35;
 /// What outermost walls leave is not filled further outside than this, in their widths.
 const INSIDE: f64 = 0.6;
 
-/// Smaller places between the beads of skins are not worth the travel to them.
+/// Smaller places between beads are not worth the travel to them.
 const SMALLEST_MM2: f64 = 0.05;
 
 /// Nor are these in the parts of tools, which have more of them.
@@ -447,8 +447,9 @@ impl Planner {
             let solid = geometry::difference(&part, &zones.sparse);
             self.leftovers(layer, first, &[&solid], &zones.sparse, section);
         } else if self.settings.walls.gap_fill {
-            let skins = [&bridged, &zones.solid, &zones.top];
-            self.leftovers(layer, within_walls, &skins, &zones.sparse, section);
+            let on_bed = [&zones.solid, &zones.top];
+            let areas = if section.index == 0 { &on_bed[..] } else { &[&bridged] };
+            self.leftovers(layer, within_walls, areas, &zones.sparse, section);
         }
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);

@@ -100,12 +100,7 @@ pub fn divide(
     if exposed.is_empty() {
         return Zones { sparse, solid, top: exposed, sparse_mm2 };
     }
-    let hidden = if solid.area_mm2() - exposed.area_mm2() < CRUMB_MM2 {
-        Region::default()
-    } else {
-        geometry::remainder(&solid, &exposed)
-    };
-    let ribs = under_ribs(&geometry::union(&sparse, &hidden), &exposed, next, line_mm, walls_mm);
+    let ribs = under_ribs(inside, &exposed, next, line_mm, walls_mm);
     let mut zones = Zones { sparse, solid, top: exposed, sparse_mm2 };
     if !ribs.is_empty() {
         zones.leave_sparse(geometry::opening(&geometry::difference(&zones.sparse, &ribs), line_mm / 2.0));
@@ -116,11 +111,12 @@ pub fn divide(
     zones
 }
 
-/// The part of what is covered under the walls of a rib that rises out of a surface: beside exposed parts, where the
-/// next layer is too narrow for anything but walls.
-fn under_ribs(covered: &Region, exposed: &Region, next: &Region, line_mm: f64, walls_mm: f64) -> Region {
+/// The part of an inside under the walls of a rib that rises out of a surface: beside exposed parts, where the next layer is too
+/// narrow for anything but walls.
+fn under_ribs(inside: &Region, exposed: &Region, next: &Region, line_mm: f64, walls_mm: f64) -> Region {
     let rough = |region: &Region| geometry::simplify(region, ROUGH_MM);
-    let beside = geometry::intersection(covered, &geometry::offset(&rough(exposed), 2.0 * walls_mm));
+    let around = geometry::intersection(inside, &geometry::offset(&rough(exposed), 2.0 * walls_mm));
+    let beside = geometry::difference(&around, exposed);
     if beside.is_empty() {
         return beside;
     }
