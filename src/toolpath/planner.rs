@@ -447,9 +447,7 @@ impl Planner {
             let solid = geometry::difference(&part, &zones.sparse);
             self.leftovers(layer, first, &[&solid], &zones.sparse, section);
         } else if self.settings.walls.gap_fill {
-            let on_bed = [&zones.solid, &zones.top];
-            let areas = if section.index == 0 { &on_bed[..] } else { &[&bridged] };
-            self.leftovers(layer, within_walls, areas, &zones.sparse, section);
+            self.leftovers(layer, within_walls, &[&bridged], &zones.sparse, section);
         }
         if self.settings.ironing.enabled {
             self.iron(layer, &zones.top, section, widths);

@@ -3,7 +3,6 @@
 use crate::support::toolpath_plan::{
     covers_beyond, job, length_mm, of_role, plan, rectangle, ring, with_hole,
 };
-use crate::toolpath_raster::coverage;
 use pathwright::geometry::{self, Point, Polygon, Region};
 use pathwright::profile::WallGenerator;
 use pathwright::toolpath::{LayerPaths, Path, Role};
@@ -57,24 +56,6 @@ fn lines_beside_a_bridge_that_lie_on_the_part_are_no_thicker_than_the_layer() {
     };
     let (thick_mm, laid_mm) = (longest_mm(Role::BridgeInfill), longest_mm(Role::SolidInfill));
     assert!(thick_mm < 3.0 && laid_mm > 6.0, "{thick_mm} mm as thick as a bridge line, {laid_mm} mm not");
-}
-
-#[test]
-fn nothing_is_left_open_between_bridges_and_what_lies_beside_them() {
-    let full = rectangle(0.0, 0.0, 30.0, 24.0);
-    let pit = |turn: f64| {
-        let corner = |k: i32| {
-            let angle = turn + f64::from(k) * std::f64::consts::TAU / 5.0;
-            (15.0 + 7.0 * angle.cos(), 12.0 + 6.0 * angle.sin())
-        };
-        Region::from(Polygon { outer: ring(&[0, 1, 2, 3, 4].map(corner)), holes: vec![] })
-    };
-    for tenths in [1, 4, 9] {
-        let open = with_hole(full.clone(), &pit(f64::from(tenths) / 10.0));
-        let roof = roof(&open, &full);
-        let found = coverage(&full, &roof.paths);
-        assert!(found.void <= 0.002, "{tenths}: {found:?}");
-    }
 }
 
 #[test]
