@@ -28,7 +28,7 @@ impl Grid {
     }
 
     /// The same with at most so many cells along a side.
-    pub fn of_at_most(most_cells: f64, bounds: Bounds, margin_mm: f64, cell_mm: f64) -> Self {
+    pub(crate) fn of_at_most(most_cells: f64, bounds: Bounds, margin_mm: f64, cell_mm: f64) -> Self {
         let (min, max) = (bounds.min.mm(), bounds.max.mm());
         let size_mm = [0, 1].map(|i| max[i] - min[i] + 2.0 * margin_mm);
         let cell_mm = cell_mm.max(size_mm[0] / most_cells).max(size_mm[1] / most_cells);
@@ -234,7 +234,7 @@ impl Bitmap {
     }
 
     /// Takes out the cells whose middles lie in a convex polygon.
-    pub fn remove_convex(&mut self, ring: &[Point]) {
+    pub(crate) fn remove_convex(&mut self, ring: &[Point]) {
         let Grid { origin, cell, columns, rows } = self.grid;
         // In cells, from the middle of the first one on.
         let at = |v: i32, from: i32| (f64::from(v) - f64::from(from)) / f64::from(cell) - 0.5;
@@ -264,7 +264,7 @@ impl Bitmap {
     }
 
     /// Takes out what hangs together, over corners too, in fewer cells than this.
-    pub fn remove_small(&mut self, least: usize) {
+    pub(crate) fn remove_small(&mut self, least: usize) {
         let mut rest = self.clone();
         let (mut ahead, mut part) = (Vec::new(), Vec::new());
         for cell in self.clone().cells() {
