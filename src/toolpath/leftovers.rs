@@ -3,7 +3,7 @@
 //! In narrow and bent rooms walls, patches of solid infill, bridge lines and single beads meet at all angles. What lies between
 //! them shows only when all are there. Where that is, cells tell in a moment; what it looks like, exact outlines.
 
-use geometry::{Bounds, Boxes, Point, Polygon, Region, Ring, real};
+use geometry::{Bounds, Boxes, Point, Polygon, Region, Ring, real, to_units};
 
 use super::Role;
 use super::bead;
@@ -85,7 +85,12 @@ impl Room<'_> {
         let Some(bounds) = all else { return Region::default() };
         let cell_mm = CELL * self.smallest_mm2.sqrt();
         let grid = Grid::of_at_most(MOST_CELLS, bounds, 2.0 * cell_mm, cell_mm);
-        let covered: Vec<Ring> = paths.flat_map(|path| rings(path, WIDER_MM)).collect();
+        let is_beside = |path: &&Path| {
+            let half_mm = path.width.widest_mm() / 2.0 + WIDER_MM;
+            let reach = Bounds::of(path.points.iter().copied()).map(|line| line.grown(to_units(half_mm)));
+            reach.is_some_and(|reach| reach.touches(&bounds))
+        };
+        let covered: Vec<Ring> = paths.filter(is_beside).flat_map(|path| rings(path, WIDER_MM)).collect();
         let mut near = Vec::new();
         for area in self.areas.iter().filter(|area| !area.is_empty()) {
             let mut open = Within::of(grid, area).into_cells();

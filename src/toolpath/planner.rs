@@ -391,6 +391,7 @@ impl Planner {
 
         let settings = &self.settings.infill;
         let mut zones = self.zones(&inside, object, section, hollow.as_ref());
+        let fills_gaps = self.settings.walls.gap_fill;
         let mut bridged = Region::default();
         if let Some(support_below) = support_below.as_ref().filter(|_| self.settings.bridge.enabled) {
             let line = self.bridge_line(widths.solid_mm, section.height_mm);
@@ -398,8 +399,10 @@ impl Planner {
             for bridge in
                 bridges::take(&mut zones, &inside, polygon, support_below, line.spacing_mm, line.anchor_mm)
             {
-                let laid = geometry::intersection(&bridge.area, support_below.region);
-                bridged.add_disjoint(laid.into_polygons());
+                if fills_gaps && tool.is_none() {
+                    let laid = geometry::intersection(&bridge.area, support_below.region);
+                    bridged.add_disjoint(laid.into_polygons());
+                }
                 match self.extra_perimeters(&bridge, &inside, support_below, &line) {
                     Some(lines) => layer.extra_perimeters(lines, &line, support_below),
                     None => layer.bridge(&bridge, &line, support_below, settings),
@@ -441,12 +444,12 @@ impl Planner {
             fit_angle: false,
         };
         layer.solid(&zones.top, &solid, section.index, settings);
-        if self.settings.walls.gap_fill && object.tool.is_some() {
+        if fills_gaps && tool.is_some() {
             let outermost_mm = INSIDE * self.wall_spec(section).external_width_mm;
             let part = geometry::offset(&Region::from(polygon.clone()), -outermost_mm);
             let solid = geometry::difference(&part, &zones.sparse);
             self.leftovers(layer, first, &[&solid], &zones.sparse, section);
-        } else if self.settings.walls.gap_fill {
+        } else if fills_gaps {
             self.leftovers(layer, within_walls, &[&bridged], &zones.sparse, section);
         }
         if self.settings.ironing.enabled {

@@ -265,9 +265,10 @@ impl Bitmap {
 
     /// Takes out what hangs together, over corners too, in fewer cells than this.
     pub(crate) fn remove_small(&mut self, least: usize) {
+        let all: Vec<[usize; 2]> = self.cells().collect();
         let mut rest = self.clone();
         let (mut ahead, mut part) = (Vec::new(), Vec::new());
-        for cell in self.clone().cells() {
+        for cell in all {
             ahead.extend(rest.take(cell).then_some(cell));
             while let Some([x, y]) = ahead.pop() {
                 part.push([x, y]);
