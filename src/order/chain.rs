@@ -47,7 +47,8 @@ fn neighbours(layers: &[LayerPaths]) -> Vec<Range<usize>> {
 /// Layers per chunk for a print of so many layers: enough chunks to keep every core busy, and not so
 /// short that solving heads twice costs much.
 pub fn chunk_len(layers: usize) -> usize {
-    (layers / 64).clamp(16, 32)
+    let few = layers.div_ceil(4).clamp(4, 16);
+    (layers / 64).clamp(few, 32)
 }
 
 /// How the layers of a print are ordered.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use geometry::{Direction, Point, Polygon, Region};
+use geometry::{Bounds, Boxes, Direction, Point, Polygon, Region};
 
 use super::super::bead::Line;
 use super::spec::{Joins, LineSet};
@@ -39,8 +39,11 @@ pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
     if core.region.is_empty() {
         return (core.region, zone.clone());
     }
-    let is_wide =
-        |polygon: &Polygon| core.region.polygons().iter().any(|part| polygon.contains(part.outer[0]));
+    let in_cores: Vec<Point> = core.region.polygons().iter().map(|part| part.outer[0]).collect();
+    let boxes = Boxes::new(in_cores.iter().map(|&p| Bounds::spanned(p, p)));
+    let is_wide = |polygon: &Polygon| {
+        boxes.touching(&polygon.bounds()).into_iter().any(|core| polygon.contains(in_cores[core]))
+    };
     let (wide, small): (Vec<_>, Vec<_>) = zone.polygons().iter().cloned().partition(is_wide);
     let wide = Region::disjoint(wide);
     let mut narrow = geometry::narrower(&wide, &core, NARROW / 2.0 * spacing_mm, spacing_mm / 2.0);

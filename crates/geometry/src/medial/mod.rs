@@ -12,7 +12,7 @@ use axis::Node;
 use line::{Line, point};
 use outline::Outline;
 
-use super::{Bounds, EdgeGrid, Known, Polygon, Region, Shape};
+use super::{Bounds, Boxes, EdgeGrid, Known, Polygon, Region, Shape};
 
 /// Samples of the boundary are this many times the greatest width apart, at most, beside its corners.
 const SPACING: f64 = 0.4;
@@ -72,6 +72,7 @@ pub fn medial_axis_in(
     }
     let around = super::intersection(region, &super::offset(area, REACH * max_mm));
     let all = EdgeGrid::new(area);
+    let (parts, surroundings) = (Boxes::of(area), Boxes::of(&around));
     // A spur that comes from elsewhere is not covered by a line there.
     let covers = |node: &Node| all.contains(point(node.at));
     let lines_in = |polygon: &Polygon| {
@@ -81,7 +82,7 @@ pub fn medial_axis_in(
             lines.filter_map(|line| Some((line.bounds()?, line))).collect()
         };
         let bounds = grid.bounds().grown(1);
-        let near = area.polygons.iter().filter(|part| part.bounds().touches(&bounds));
+        let near = parts.touching(&bounds).into_iter().map(|part| &area.polygons[part]);
         let shape = Shape::new(std::iter::once(polygon).chain(near), [max_mm.to_bits(), tip.to_bits()]);
         let points = |lines: &Vec<(Bounds, Line)>| lines.iter().map(|(_, line)| line.len()).sum();
         (known.0.of(shape, points, make), grid)
@@ -90,7 +91,8 @@ pub fn medial_axis_in(
     let in_part = |part: &Polygon| {
         let inside = EdgeGrid::of(part);
         let mut cuts = Vec::new();
-        for (lines, grid) in &wholes {
+        for whole in surroundings.touching(&inside.bounds().grown(1)) {
+            let (lines, grid) = &wholes[whole];
             let near = lines.iter().filter(|(bounds, _)| bounds.touches(&inside.bounds()));
             let parts = near.flat_map(|(_, line)| line.clone().parts_in(&inside));
             cuts.extend(paths(parts, grid, min_mm, max_mm));
