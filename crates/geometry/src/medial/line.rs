@@ -4,7 +4,7 @@ use super::axis::Node;
 use super::branches::AxisPath;
 use super::outline::{Position, direction, distance, lerp};
 use super::path::MedialPath;
-use crate::{Bounds, EdgeGrid, Point};
+use crate::{EdgeGrid, Point};
 
 /// Vertices are dropped that move the line by no more than this: a hundredth of a common line width.
 const TOLERANCE_MM: f64 = 0.005;
@@ -12,18 +12,12 @@ const TOLERANCE_MM: f64 = 0.005;
 /// The same of the width, by which a long line would hold less throughout.
 const WIDTH_TOLERANCE_MM: f64 = 0.002;
 
-/// Least length of what is cut out of a line.
-const SHORTEST_MM: f64 = 0.2;
-
-/// Lines that go so little into an area only touch it.
-const TOUCH_MM: f64 = 0.05;
-
 /// A path in the making.
 #[derive(Clone, Debug)]
 pub(super) struct Line {
-    at: Vec<Position>,
-    width: Vec<f64>,
-    closed: bool,
+    pub(super) at: Vec<Position>,
+    pub(super) width: Vec<f64>,
+    pub(super) closed: bool,
 }
 
 impl Line {
@@ -120,100 +114,13 @@ impl Line {
         }
     }
 
-    /// How many points it has.
-    pub(super) fn len(&self) -> usize {
-        self.at.len()
-    }
-
-    /// The box around the line; `None` of nothing.
-    pub(super) fn bounds(&self) -> Option<Bounds> {
-        Bounds::of(self.at.iter().map(|&at| point(at)))
-    }
-
     /// Opens a closed line at a vertex, which becomes both ends.
-    fn open_at(&mut self, vertex: usize) {
+    pub(super) fn open_at(&mut self, vertex: usize) {
         self.at.rotate_left(vertex);
         self.width.rotate_left(vertex);
         self.at.push(self.at[0]);
         self.width.push(self.width[0]);
         self.closed = false;
-    }
-
-    /// The parts in an area, those shorter than [`SHORTEST_MM`] extended beyond it.
-    pub(super) fn parts_in(mut self, area: &EdgeGrid) -> Vec<Line> {
-        if self.closed {
-            let outside = self.at.iter().position(|&at| !area.contains(point(at)));
-            let Some(outside) = outside else { return vec![self] };
-            self.open_at(outside);
-        }
-        let along = self.along();
-        let end = along[along.len() - 1];
-        let mut parts = self.stretches_in(area, &along);
-        for part in &mut parts {
-            let is_cut = [part[0] > 0.0, part[1] < end];
-            let missing = (SHORTEST_MM - (part[1] - part[0])).max(0.0);
-            let each = if is_cut[0] && is_cut[1] { missing / 2.0 } else { missing };
-            part[0] -= if is_cut[0] { each.min(part[0]) } else { 0.0 };
-            part[1] += if is_cut[1] { each.min(end - part[1]) } else { 0.0 };
-        }
-        parts.into_iter().map(|[from, to]| self.stretch(&along, from, to)).collect()
-    }
-
-    /// Length of the line up to each of its vertices.
-    fn along(&self) -> Vec<f64> {
-        let steps = self.at.windows(2).map(|w| distance(w[0], w[1]));
-        let lengths = steps.scan(0.0, |length, step| {
-            *length += step;
-            Some(*length)
-        });
-        std::iter::once(0.0).chain(lengths).collect()
-    }
-
-    /// Point and width where the line has a length, which is `along` at its vertices.
-    fn at_length(&self, along: &[f64], length: f64) -> (Position, f64) {
-        let next = along.partition_point(|&l| l < length).clamp(1, along.len() - 1);
-        let (from, to) = (along[next - 1], along[next]);
-        let t = if to > from { ((length - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
-        let (a, b) = (self.width[next - 1], self.width[next]);
-        (lerp(self.at[next - 1], self.at[next], t), a + t * (b - a))
-    }
-
-    /// Where the line enters an area and where it leaves it, as lengths; stretches that hardly do are left out.
-    fn stretches_in(&self, area: &EdgeGrid, along: &[f64]) -> Vec<[f64; 2]> {
-        let mut found: Vec<[f64; 2]> = Vec::new();
-        let (mut stops, mut inside, mut met) = (Vec::new(), false, true);
-        for i in 1..self.at.len() {
-            let (a, b, step) = (self.at[i - 1], self.at[i], along[i] - along[i - 1]);
-            stops.clear();
-            stops.extend([0.0, 1.0].into_iter().chain(hits(area, a, b)));
-            stops.sort_unstable_by(f64::total_cmp);
-            for stop in stops.windows(2).filter(|stop| stop[0] < stop[1]) {
-                // Where the boundary is not met, neither here nor just before, nothing changes.
-                if stops.len() > 2 || met {
-                    inside = area.contains(point(lerp(a, b, (stop[0] + stop[1]) / 2.0)));
-                }
-                if !inside {
-                    continue;
-                }
-                let [from, to] = [stop[0], stop[1]].map(|t| along[i - 1] + t * step);
-                match found.last_mut().filter(|last| from - last[1] < 1e-6) {
-                    Some(last) => last[1] = to,
-                    None => found.push([from, to]),
-                }
-            }
-            met = stops.len() > 2;
-        }
-        found.retain(|[from, to]| to - from >= TOUCH_MM);
-        found
-    }
-
-    /// The line from one length to another.
-    fn stretch(&self, along: &[f64], from: f64, to: f64) -> Line {
-        let ends = [from, to].map(|length| self.at_length(along, length));
-        let between = (0..along.len()).filter(|&i| from < along[i] && along[i] < to);
-        let inner = between.map(|i| (self.at[i], self.width[i]));
-        let (at, width) = std::iter::once(ends[0]).chain(inner).chain([ends[1]]).unzip();
-        Line { at, width, closed: false }
     }
 
     /// The parts at least `min_mm` wide, no width above `max_mm`.
@@ -295,7 +202,7 @@ fn first_hit(grid: &EdgeGrid, a: Position, b: Position) -> Option<f64> {
 }
 
 /// Where a segment meets the boundary, as shares of its length, in no order and some several times.
-fn hits(grid: &EdgeGrid, a: Position, b: Position) -> impl Iterator<Item = f64> {
+pub(super) fn hits(grid: &EdgeGrid, a: Position, b: Position) -> impl Iterator<Item = f64> {
     let (p, q) = (point(a), point(b));
     grid.edges_along(p, q).filter_map(move |edge| {
         let (d, e) = (q - p, edge.b - edge.a);

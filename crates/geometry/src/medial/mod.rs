@@ -5,14 +5,16 @@ mod branches;
 mod line;
 mod outline;
 mod path;
+mod whole;
 
 pub use path::MedialPath;
 
 use axis::Node;
 use line::{Line, point};
 use outline::Outline;
+use whole::WholeLines;
 
-use super::{Bounds, Boxes, EdgeGrid, Known, Polygon, Region, Shape};
+use super::{Boxes, EdgeGrid, Known, Polygon, Region, Shape};
 
 /// Samples of the boundary are this many times the greatest width apart, at most, beside its corners.
 const SPACING: f64 = 0.4;
@@ -28,7 +30,7 @@ const KEPT: usize = 100_000;
 
 /// Middle lines that were found before: neighbouring layers have many narrow parts in common.
 #[derive(Clone, Debug)]
-pub struct KnownAxes(Known<Vec<(Bounds, Line)>>);
+pub struct KnownAxes(Known<WholeLines>);
 
 impl Default for KnownAxes {
     fn default() -> Self {
@@ -77,15 +79,11 @@ pub fn medial_axis_in(
     let covers = |node: &Node| all.contains(point(node.at));
     let lines_in = |polygon: &Polygon| {
         let grid = EdgeGrid::of(polygon);
-        let make = || {
-            let lines = lines(polygon, &grid, covers, max_mm, tip).into_iter();
-            lines.filter_map(|line| Some((line.bounds()?, line))).collect()
-        };
+        let make = || WholeLines::new(lines(polygon, &grid, covers, max_mm, tip).into_iter());
         let bounds = grid.bounds().grown(1);
         let near = parts.touching(&bounds).into_iter().map(|part| &area.polygons[part]);
         let shape = Shape::new(std::iter::once(polygon).chain(near), [max_mm.to_bits(), tip.to_bits()]);
-        let points = |lines: &Vec<(Bounds, Line)>| lines.iter().map(|(_, line)| line.len()).sum();
-        (known.0.of(shape, points, make), grid)
+        (known.0.of(shape, WholeLines::len, make), grid)
     };
     let wholes: Vec<_> = around.polygons.iter().map(lines_in).collect();
     let in_part = |part: &Polygon| {
@@ -93,9 +91,7 @@ pub fn medial_axis_in(
         let mut cuts = Vec::new();
         for whole in surroundings.touching(&inside.bounds().grown(1)) {
             let (lines, grid) = &wholes[whole];
-            let near = lines.iter().filter(|(bounds, _)| bounds.touches(&inside.bounds()));
-            let parts = near.flat_map(|(_, line)| line.clone().parts_in(&inside));
-            cuts.extend(paths(parts, grid, min_mm, max_mm));
+            cuts.extend(paths(lines.parts_in(&inside), grid, min_mm, max_mm));
         }
         if covered_mm2(&cuts) < ENOUGH * part.area_mm2() {
             let own = of_polygon(part, min_mm, max_mm, tip);
