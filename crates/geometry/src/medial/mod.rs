@@ -74,7 +74,7 @@ pub fn medial_axis_in(
     }
     let around = super::intersection(region, &super::offset(area, REACH * max_mm));
     let all = EdgeGrid::new(area);
-    let (parts, surroundings) = (Boxes::of(area), Boxes::of(&around));
+    let parts = Boxes::of(area);
     // A spur that comes from elsewhere is not covered by a line there.
     let covers = |node: &Node| all.contains(point(node.at));
     let lines_in = |polygon: &Polygon| {
@@ -86,10 +86,11 @@ pub fn medial_axis_in(
         (known.0.of(shape, WholeLines::len, make), grid)
     };
     let wholes: Vec<_> = around.polygons.iter().map(lines_in).collect();
+    let boxes = Boxes::new(wholes.iter().map(|(_, grid)| grid.bounds()));
     let in_part = |part: &Polygon| {
         let inside = EdgeGrid::of(part);
         let mut cuts = Vec::new();
-        for whole in surroundings.touching(&inside.bounds().grown(1)) {
+        for whole in boxes.touching(&inside.bounds().grown(1)) {
             let (lines, grid) = &wholes[whole];
             cuts.extend(paths(lines.parts_in(&inside), grid, min_mm, max_mm));
         }
