@@ -63,9 +63,8 @@ impl WholeLine {
         });
         let along = std::iter::once(0.0).chain(lengths).collect();
         let last = line.at.len() - 1;
-        let firsts = (0..last.max(1)).step_by(EDGES);
-        let boxes = firsts.filter_map(|first| bounds(&line.at[first..=last.min(first + EDGES)]));
-        let boxes = Boxes::new(boxes);
+        let firsts = (0..last).step_by(EDGES);
+        let boxes = Boxes::new(firsts.filter_map(|first| bounds(&line.at[first..=last.min(first + EDGES)])));
         Self { line, is_closed, along, boxes }
     }
 
