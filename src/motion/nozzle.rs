@@ -46,6 +46,8 @@ pub(super) struct Nozzle<'a> {
     pub(super) over_mm: f64,
     /// Travels that begin the layer, or lead to another island, keep above this; 0: nothing is in their way.
     pub(super) beside_mm: f64,
+    /// Whether the next travel stays within the prime tower, where what oozes does no harm.
+    pub(super) within_tower: bool,
     /// Filament that is pulled back before the first travel.
     pub(super) retracted_mm: f64,
     /// Filament to be fed with the next bead beyond what it holds.

@@ -64,6 +64,7 @@ pub fn plan_layer(
         wipe: from.wipe.clone(),
         over_mm: from.over_mm,
         beside_mm: if layer.turn.beside_mm > 0.0 { layer.turn.beside_mm + all.z_offset.0 } else { 0.0 },
+        within_tower: false,
         retracted_mm: from.retracted_mm,
         extra_mm3: 0.0,
         acceleration: None,
@@ -107,6 +108,8 @@ pub fn plan_layer(
             nozzle.draw_revolution(path, &vertices, rises, stop.take());
             continue;
         }
+        let was_in_tower = nozzle.bead.is_some_and(|(role, ..)| role == Role::PrimeTower);
+        nozzle.within_tower = was_in_tower && changes.is_none() && path.role == Role::PrimeTower;
         nozzle.travel(start.at, path.island, stop.take());
         if std::mem::take(&mut is_empty) {
             nozzle.moves.pop_if(|step| matches!(step, Move::Unretract { .. }));

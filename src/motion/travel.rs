@@ -18,8 +18,9 @@ impl Nozzle<'_> {
     /// Moves to where the next bead, one of this island, starts, at the height of the layer.
     ///
     /// A travel *longer* than `retract.min_travel`, or inside the part than `travel.retract_inside`, or from an
-    /// unknown place, is retracted. The nozzle climbs to the next layer while it travels, or before where the travel is
-    /// no longer than high; never does it go down, or to where something may obstruct it, before it is above.
+    /// unknown place, is retracted, but not within the prime tower. The nozzle climbs to the next layer while it
+    /// travels, or before where the travel is no longer than high; never does it go down, or to where something may
+    /// obstruct it, before it is above.
     pub(super) fn travel(&mut self, to: [f64; 2], island: Option<IslandId>, stop: Option<Stop>) {
         let pause = stop.is_some();
         let (retract, travel) = (&self.settings.retract, &self.settings.travel);
@@ -33,6 +34,7 @@ impl Nozzle<'_> {
         self.island = Some(island);
         let mut route = self.route(to, same_island);
         let far = self.at.is_none_or(|at| match route {
+            _ if self.within_tower => false,
             Route::Inside(_, length_mm) => length_mm > travel.retract_inside.0.max(retract.min_travel.0),
             Route::Across => distance_mm(at, to) > retract.min_travel.0,
         });

@@ -127,7 +127,7 @@ impl<'a> LayerBuilder<'a> {
         let mut next = 1;
         let mut patches = infill::fill_solid(&zone, &spec);
         if ordered {
-            infill::nearest_first(&mut patches);
+            patches = infill::monotone(patches);
         }
         for patch in patches {
             let width_mm = bead::width_mm(patch.spacing_mm, self.height_mm);

@@ -197,6 +197,34 @@ fn types_after_changes(print: &Print) -> Vec<Vec<String>> {
 }
 
 #[test]
+fn travels_within_the_tower_are_not_retracted() {
+    let print = pair(&["tool_change.flush_volume=60", "retract.min_travel=0"]).0;
+    let (mut begun, mut tower, mut retracted, mut far) = (false, false, false, 0);
+    // Where the tower was left.
+    let mut left: Option<[f64; 3]> = None;
+    for step in replay(&print.text) {
+        begun |= step.line.text.starts_with(b";LAYER_CHANGE");
+        if step.line.code.is_some_and(|code| code.letter == b'T') {
+            left = None;
+        }
+        match step.action {
+            Action::Type(name) => tower = name == b"Wipe tower",
+            Action::Stroke(stroke) if begun && stroke.extrudes() => {
+                let from = left.filter(|from| tower && from[2] == stroke.from[2]);
+                if from.is_some_and(|from| (from[0] - stroke.from[0]).hypot(from[1] - stroke.from[1]) > 0.3) {
+                    assert!(!retracted, "from {left:?} to {:?}", stroke.from);
+                    far += 1;
+                }
+                (left, retracted) = (tower.then_some(stroke.to), false);
+            }
+            Action::Stroke(stroke) => retracted |= stroke.retracts,
+            _ => {}
+        }
+    }
+    assert!(far >= print.summary.tool_changes, "{far} travels");
+}
+
+#[test]
 fn an_object_that_takes_flushes_is_whole_of_both_tools_and_spares_the_tower() {
     let folder = tempfile::tempdir().unwrap();
     let base = several(2, &["tool_change.flush_volume=60", "skirt.loops=0"]);

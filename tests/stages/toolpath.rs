@@ -729,22 +729,36 @@ fn on_a_monotonic_top_every_line_comes_after_the_one_below_it() {
     let lines = of_role(&top, Role::TopSolidInfill);
     assert!(lines.len() > 40, "{}", lines.len());
     // The last layer's lines run at 135°.
+    let ends = |p: &Path| [p.points[0], p.points[p.points.len() - 1]].map(Point::mm);
     let across = |p: &Path| {
-        let [a, b] =
-            [p.points[0], p.points[p.points.len() - 1]].map(|p| (-p.mm()[0] - p.mm()[1]) / 2.0_f64.sqrt());
+        let [a, b] = ends(p).map(|[x, y]| (-x - y) / 2.0_f64.sqrt());
         a.midpoint(b)
+    };
+    let along = |p: &Path| {
+        let [a, b] = ends(p).map(|[x, y]| (y - x) / 2.0_f64.sqrt());
+        (a.min(b), a.max(b))
     };
     for a in &lines {
         for b in &lines {
-            let apart_mm = across(b) - across(a);
+            let (apart_mm, from, to) = (across(b) - across(a), along(a), along(b));
+            let side_by_side = from.0 < to.1 && to.0 < from.1 && (0.3..0.6).contains(&apart_mm);
             assert!(
-                apart_mm < 0.3 || b.phase > a.phase,
+                !side_by_side || b.phase > a.phase,
                 "{apart_mm} mm above, {:?} after {:?}",
                 b.phase,
                 a.phase
             );
         }
     }
+    // The lines on one side of the hole come before those on the other, not by turns.
+    let mut lines = lines;
+    lines.sort_by_key(|p| p.phase);
+    let far = |pair: &&[&Path]| {
+        let (from, to) = (ends(pair[0]), ends(pair[1]));
+        let distances = from.iter().flat_map(|a| to.iter().map(|b| (a[0] - b[0]).hypot(a[1] - b[1])));
+        distances.fold(f64::INFINITY, f64::min) > 3.0
+    };
+    assert!(lines.windows(2).filter(far).count() <= 3);
 }
 
 #[test]

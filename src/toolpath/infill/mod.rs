@@ -15,6 +15,7 @@ mod honeycomb;
 mod honeycomb_3d;
 mod lightning;
 pub(super) mod lines;
+mod monotone;
 mod pattern;
 mod rectilinear;
 mod solid;
@@ -32,8 +33,9 @@ pub use adaptive_cubic::AdaptiveCubic;
 pub(super) use angle::fewest_turns;
 pub use density::{SOLID_DENSITY, SparseSample, calibrate, flow, lay};
 pub use lightning::{Lightning, LightningLayer};
+pub use monotone::monotone;
 pub use pattern::FillPattern;
-pub use solid::{SolidSpec, fill as fill_solid, iron, nearest_first, split_narrow, turned};
+pub use solid::{SolidSpec, fill as fill_solid, iron, split_narrow, turned};
 pub use spec::{FillSpec, Joins, LineSet};
 
 /// The pattern of a setting. Those that depend on more than a layer are planned by their own constructors; here they

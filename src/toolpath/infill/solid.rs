@@ -62,36 +62,21 @@ pub fn split_narrow(zone: &Region, spacing_mm: f64) -> (Region, Region) {
 pub struct SolidPatch {
     /// Their spacing.
     pub spacing_mm: f64,
+    /// Their direction.
+    pub direction: Direction,
     /// The lines, each with the index of the first of the parallel lines that it consists of.
     pub lines: Vec<(u32, Line)>,
 }
 
 impl SolidPatch {
     /// The ends of its first and of its last line.
-    fn ends(&self) -> [Vec<Point>; 2] {
+    pub(super) fn ends(&self) -> [Vec<Point>; 2] {
         let ends = |line: Option<&(u32, Line)>| match line {
             Some((_, line)) => line.points.first().into_iter().chain(line.points.last()).copied().collect(),
             None => Vec::new(),
         };
         let index = |line: &&(u32, Line)| line.0;
         [ends(self.lines.iter().min_by_key(index)), ends(self.lines.iter().max_by_key(index))]
-    }
-}
-
-/// Orders patches whose lines keep their order: always the one that begins nearest to the end of the last. O(n²) of
-/// their number.
-pub fn nearest_first(patches: &mut [SolidPatch]) {
-    let mut ends: Vec<_> = patches.iter().map(SolidPatch::ends).collect();
-    for next in 1..patches.len() {
-        let from = &ends[next - 1][1];
-        let distance_mm = |[to, _]: &[Vec<Point>; 2]| {
-            let distances = from.iter().flat_map(|a| to.iter().map(|b| a.distance_mm(*b)));
-            distances.fold(f64::INFINITY, f64::min)
-        };
-        let distances_mm = ends[next..].iter().map(distance_mm).enumerate();
-        let nearest = distances_mm.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
-        patches[next..=next + nearest].rotate_right(1);
-        ends[next..=next + nearest].rotate_right(1);
     }
 }
 
@@ -162,7 +147,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
             };
             let lines = lines::parallel(&patch, angle_rad, fitted_mm, phase_mm, &joins);
             let lines = lines.into_iter().map(|line| (first_of(&line), line)).collect();
-            SolidPatch { spacing_mm: fitted_mm, lines }
+            SolidPatch { spacing_mm: fitted_mm, direction, lines }
         })
         .collect()
 }
