@@ -34,8 +34,9 @@ pub(super) fn curve_rad(role: Role, gentle_rad: f64) -> f64 {
     if role == Role::ExternalPerimeter { real::lesser(gentle_rad, SEEN_RAD) } else { gentle_rad }
 }
 
-/// No piece is made shorter than this.
+/// No piece is made shorter than this, in sharp corners than the other.
 const SHORTEST_MM: f64 = 0.05;
+const SHORTEST_SHARP_MM: f64 = 0.04;
 
 /// Corners that turn by more than this are sharp.
 const SHARP_RAD: f64 = 1.0;
@@ -45,9 +46,9 @@ const BLUNT_MM: f64 = 0.0125;
 
 /// Sharp corners of inner walls and solid infill are rounded up to this turn, so far as a share of the bead's width.
 /// The bead is wider on the arc by what that is shorter, and fills the corner in the bead beside it better than a sharp turn.
-/// Corners of 60° are among them; sharper ones of walls are cut off.
+/// Corners of 39° are among them, those sharper than 60° with an arc of the same radius; sharper ones of inner walls are cut off.
 const SHARP_WIDTHS: f64 = 0.11;
-const SHARPEST_RAD: f64 = 2.1;
+const SHARPEST_RAD: f64 = 2.47;
 
 /// Which corners are rounded, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +59,8 @@ pub(super) struct Rounding {
     /// So far may an arc leave its corner, blunt or sharp.
     blunt_mm: f64,
     sharp_mm: f64,
+    /// The radius of an arc in a sharp corner is no less.
+    least_radius_mm: f64,
     /// An arc turns by about this at each vertex.
     step_rad: f64,
     /// Half of the bead's width where what its round outside leaves open in a corner is filled, else 0.
@@ -73,6 +76,7 @@ impl Rounding {
             most_rad: SHARP_RAD,
             blunt_mm: BLUNT_MM,
             sharp_mm: 0.0,
+            least_radius_mm: 0.0,
             step_rad: gentle_rad,
             filled_mm: 0.0,
         };
@@ -83,14 +87,17 @@ impl Rounding {
             }
             Role::Perimeter | Role::SolidInfill | Role::TopSolidInfill => {
                 let (sharp_mm, filled_mm) = (SHARP_WIDTHS * width_mm, 0.5 * width_mm);
-                Self { most_rad: SHARPEST_RAD, sharp_mm, filled_mm, ..blunt }
+                Self { most_rad: SHARPEST_RAD, sharp_mm, least_radius_mm: sharp_mm, filled_mm, ..blunt }
             }
             _ => blunt,
         }
     }
 
     fn deviation_mm(&self, turn_rad: f64) -> f64 {
-        if turn_rad > SHARP_RAD { self.sharp_mm } else { self.blunt_mm }
+        if turn_rad <= SHARP_RAD {
+            return self.blunt_mm;
+        }
+        self.sharp_mm.max(self.least_radius_mm * (1.0 / real::cos(0.5 * turn_rad) - 1.0))
     }
 
     /// Length of the bead that holds as much as the round outside of a sharp corner leaves open.
@@ -146,8 +153,9 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
             rounding.deviation_mm(turn.abs()) * real::sin(half) / (1.0 - real::cos(half)).max(1e-9);
         let tangent_mm = by_deviation_mm.min(0.5 * u_mm).min(0.5 * v_mm);
         let radius_mm = tangent_mm / real::tan(half);
+        let shortest_mm = if turn.abs() > SHARP_RAD { SHORTEST_SHARP_MM } else { SHORTEST_MM };
         let steps =
-            (turn.abs() / rounding.step_rad).ceil().min((radius_mm * turn.abs() / SHORTEST_MM).floor());
+            (turn.abs() / rounding.step_rad).ceil().min((radius_mm * turn.abs() / shortest_mm).floor());
         if steps < 2.0 {
             out.push(left);
             (at, left) = (corner, *next);
@@ -254,6 +262,10 @@ mod tests {
         round_corners(points[0], &pieces(&points), &inner, &mut out);
         let off_mm = out.iter().map(|p| distance_mm(p.to, points[1])).fold(f64::INFINITY, f64::min);
         assert!((0.04..0.07).contains(&off_mm), "{off_mm}");
+        let acute = [[0.0, 0.0], [5.0, 0.0], [1.0, 3.4]];
+        let mut rounded = Vec::new();
+        round_corners(acute[0], &pieces(&acute), &inner, &mut rounded);
+        assert!(sharpest(acute[0], &rounded) < 1.3, "{rounded:?}");
         assert!(out.iter().any(|p| p.to == points[2]), "an acute tip stays: {out:?}");
         // A round outside leaves (1 - π/4) of a square of half the width open.
         let held_mm3 = out.iter().map(|p| p.volume_mm3).sum::<f64>();

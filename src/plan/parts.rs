@@ -152,10 +152,14 @@ fn press(parts: &mut Parts, section: &Region, height_mm: f64, bead_mm: f64) {
     let radius_mm = bead_mm / 2.0;
     let narrow = geometry::difference(section, &geometry::opening(section, radius_mm));
     for part in parts {
+        let beside = geometry::offset(&geometry::difference(section, &part.region), each_mm);
         let pressed = geometry::intersection(&geometry::offset(&part.region, each_mm), section);
         let core = geometry::offset(&pressed, -radius_mm);
-        let roomy = geometry::intersection(&geometry::offset_with(&core, radius_mm, ROUND), &pressed);
-        part.region = geometry::union(&roomy, &geometry::intersection(&narrow, &pressed));
+        let roomy = geometry::union(&geometry::offset_with(&core, radius_mm, ROUND), &narrow);
+        let mut tips = geometry::difference(&pressed, &roomy);
+        // Corners that are the section's own lie beside nothing.
+        tips.retain(|tip| !geometry::intersection(&Region::from(tip.clone()), &beside).is_empty());
+        part.region = geometry::difference(&pressed, &tips);
     }
 }
 
@@ -212,4 +216,30 @@ fn parts(pieces: Vec<Piece>, object: usize, styles: &Styles<'_>, settings: &Sett
         }
     }
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::{Point, Polygon};
+
+    fn polygon(corners: &[[f64; 2]]) -> Region {
+        let outer = corners.iter().map(|&[x, y]| Point::from_mm(x, y)).collect();
+        Region::from(Polygon { outer, holes: Vec::new() })
+    }
+
+    #[test]
+    fn tips_are_rounded_off_only_beside_other_parts() {
+        // The corner on the left, of 44°, is the section's, those of 68° on the right lie beside the other part.
+        let wedge = polygon(&[[0.0, 0.0], [10.0, -4.0], [10.0, 4.0]]);
+        let other = polygon(&[[10.0, -5.0], [20.0, -5.0], [20.0, 5.0], [10.0, 5.0]]);
+        let section = geometry::union(&wedge, &other);
+        let part = |(tool, region)| Part { tool, region, fills: Vec::new(), style: None };
+        let mut parts: Parts = [(0, wedge), (1, other)].into_iter().map(part).collect();
+        press(&mut parts, &section, 0.2, 0.45);
+        let [wedge] = parts[0].region.polygons() else { panic!("{:?}", parts[0].region) };
+        let bounds = wedge.bounds();
+        assert!(bounds.min.mm()[0] < 0.001, "{bounds:?}");
+        assert!(bounds.max.mm()[1] < 3.95, "{bounds:?}");
+    }
 }

@@ -20,7 +20,7 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use geometry::real;
-use geometry::{Bounds, Core, EdgeGrid, Point, Polygon, Region, Ring, UNITS_PER_MM, distance_mm};
+use geometry::{Bounds, Core, EdgeGrid, Join, Point, Polygon, Region, Ring, UNITS_PER_MM, distance_mm};
 
 use super::bead::Line;
 use super::unfold::{Vertex, unfold};
@@ -37,6 +37,12 @@ pub(super) const FULL: f64 = 1.25;
 
 /// The same for the innermost pair of walls: instead of a thin bead between them they get up to half as wide again.
 pub(super) const FULL_INNERMOST: f64 = 1.5;
+
+/// Corners sharper than 60° are left to single beads, which reach further into them.
+pub(super) const CORNERS: Join = Join::Miter { limit: 2.0 };
+
+/// Of inner walls only those sharper than 39°: a dot in each would take longer than it fills.
+pub(super) const INNER_CORNERS: Join = Join::Miter { limit: 3.0 };
 
 /// Gaps narrower than this hold no bead that a nozzle could lay.
 pub(super) const MIN_GAP_MM: f64 = 0.12;
@@ -94,16 +100,16 @@ pub(super) struct Pair {
 }
 
 /// Lays one bead along the boundary of a region, with widths as the module says. Gaps narrower than `least_mm` are none.
-pub(super) fn pair(region: &Region, spacing_mm: f64, full: f64, least_mm: f64) -> Pair {
-    let core = core(region, PAIR * spacing_mm, spacing_mm);
-    let covered = geometry::offset(&core.region, PAIR * spacing_mm);
+pub(super) fn pair(region: &Region, spacing_mm: f64, full: f64, least_mm: f64, corners: Join) -> Pair {
+    let core = core(region, PAIR * spacing_mm, spacing_mm, corners);
+    let covered = core.grown(PAIR * spacing_mm);
     let gap = gap(region, &core, PAIR * spacing_mm, least_mm);
     let deep = geometry::core(&core.region, (full - PAIR) * spacing_mm);
     let rest = geometry::offset(&deep.region, (full - 1.0) * spacing_mm);
     let loops = if geometry::narrower(&covered, &deep, full * spacing_mm, MIN_GAP_MM).is_empty() {
-        constant(&geometry::offset(&core.region, (PAIR - 0.5) * spacing_mm))
+        constant(&core.grown((PAIR - 0.5) * spacing_mm))
     } else {
-        let centre = geometry::offset(&core.region, PAIR / 2.0 * spacing_mm);
+        let centre = core.grown(PAIR / 2.0 * spacing_mm);
         let [grid, outline] = [&covered, region].map(EdgeGrid::new);
         let sides = Sides { grid, outline, spacing_mm, full, rest: &rest, rest_grid: OnceCell::new() };
         centre.rings().filter_map(|ring| sides.fit(ring)).collect()
@@ -112,8 +118,8 @@ pub(super) fn pair(region: &Region, spacing_mm: f64, full: f64, least_mm: f64) -
 }
 
 /// A region shrunk by a radius, without parts that are only occasionally thicker than that.
-pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64) -> Core {
-    let mut core = geometry::core(region, radius_mm);
+pub(super) fn core(region: &Region, radius_mm: f64, spacing_mm: f64, corners: Join) -> Core {
+    let mut core = Core { corners, ..geometry::core(region, radius_mm) };
     let count = core.region.polygons().len();
     core.region.retain(|polygon| {
         let around_mm: f64 = polygon.rings().map(|ring| geometry::ring_length_mm(ring)).sum();
@@ -129,7 +135,7 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
     let (mut loops, mut gaps) = (Vec::new(), Vec::new());
     let mut rest = region.clone();
     while !rest.is_empty() {
-        let pair = pair(&rest, spacing_mm, FULL, MIN_GAP_MM);
+        let pair = pair(&rest, spacing_mm, FULL, MIN_GAP_MM, CORNERS);
         loops.extend(pair.loops);
         gaps.extend(pair.gap);
         rest = pair.rest;
@@ -401,7 +407,7 @@ mod tests {
             [(0.0, 10.0), (0.0, 0.0), (9.5, 0.0), (9.5, -4.0), (10.5, -4.0), (10.5, 0.0), (20.0, 0.0)];
         let outer = arc.chain(straight.map(|(x, y)| Point::from_mm(x, y))).collect();
         let region = Region::from(Polygon { outer, holes: Vec::new() });
-        let lines = pair(&region, 0.4, FULL, MIN_GAP_MM).loops;
+        let lines = pair(&region, 0.4, FULL, MIN_GAP_MM, CORNERS).loops;
         let widths =
             |line: &Line| line.points.iter().map(|p| p.mm()).zip(line.spacing_mm.clone()).collect::<Vec<_>>();
         let top: Vec<([f64; 2], f32)> =

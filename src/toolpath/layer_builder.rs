@@ -19,6 +19,9 @@ const SHORTEST_LINE_MM: f64 = 0.2;
 /// Gaps shorter than this are not worth the travel to them.
 const SHORTEST_GAP_MM: f64 = 0.1;
 
+/// Nor are those inside of walls that are smaller than this, a sixth of a square of a common line.
+const CRUMB_MM2: f64 = 0.035;
+
 /// A bead holds no more of what it does not reach, as a share of its own.
 const WIDER: f64 = 1.4;
 
@@ -224,10 +227,12 @@ impl<'a> LayerBuilder<'a> {
         let tip = if role == Role::ExternalPerimeter { 0.5 } else { beading::GAP_TIP };
         let Gap { area, region } = gap;
         for path in geometry::medial_axis_in(area, region, *range.start(), *range.end(), tip, self.axes) {
-            if path.length_mm() < SHORTEST_GAP_MM {
+            let area_mm2 = path.area_mm2();
+            let is_crumb = role == Role::GapFill && area_mm2 < CRUMB_MM2;
+            if is_crumb || path.length_mm() < SHORTEST_GAP_MM {
                 continue;
             }
-            filled_mm2 += path.area_mm2();
+            filled_mm2 += area_mm2;
             let rounding_mm = bead::rounding_mm(self.height_mm) as f32;
             let widths =
                 path.width_mm.iter().map(|width_mm| (width_mm + rounding_mm).max(least_mm as f32)).collect();

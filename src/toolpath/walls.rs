@@ -177,7 +177,8 @@ fn fitted(mut rest: Region, spec: &WallSpec, first: u32) -> Walls {
         }
         let is_innermost = depth > 0 && depth + 1 == spec.count;
         let full = if is_innermost { beading::FULL_INNERMOST } else { beading::FULL };
-        let pair = beading::pair(&rest, spec.spacing_mm(depth), full, spec.least_gap_mm(depth));
+        let corners = if depth > 0 { beading::INNER_CORNERS } else { beading::CORNERS };
+        let pair = beading::pair(&rest, spec.spacing_mm(depth), full, spec.least_gap_mm(depth), corners);
         if spec.gap_fill {
             walls.gaps.extend(pair.gap.map(|gap| (depth, gap)));
         }
@@ -217,10 +218,10 @@ fn leave_inside(mut walls: Walls, mut rest: Region, radius: f64, spec: &WallSpec
     if spec.gap_fill && !rest.is_empty() {
         let spacing_mm = spec.spacing_mm(spec.count);
         let radius_mm = radius * spacing_mm;
-        let core = beading::core(&rest, radius_mm, spacing_mm);
+        let core = beading::core(&rest, radius_mm, spacing_mm, beading::CORNERS);
         if let Some(gap) = beading::gap(&rest, &core, radius_mm, spec.least_gap_mm(spec.count)) {
             walls.gaps.push((spec.count, gap));
-            rest = geometry::intersection(&geometry::offset(&core.region, radius_mm), &rest);
+            rest = geometry::intersection(&core.grown(radius_mm), &rest);
         }
     }
     walls.inside = rest;

@@ -15,6 +15,9 @@ const TOLERANCE_MM: f64 = 0.0025;
 /// A part is taken out of a region with so much to spare: twice what offsetting may have moved the boundary.
 const KERF_MM: f64 = 2.0 * TOLERANCE_MM;
 
+/// How corners are closed, unless it is said.
+const CORNERS: Join = Join::Miter { limit: 2.0 };
+
 /// Parts of a result smaller than this many square millimetres (a square of 5 µm) are dropped.
 const MIN_AREA_MM2: f64 = 2.5e-5;
 
@@ -22,7 +25,7 @@ const MIN_AREA_MM2: f64 = 2.5e-5;
 ///
 /// See [`offset_with`].
 pub fn offset(region: &Region, by_mm: f64) -> Region {
-    offset_with(region, by_mm, Join::Miter { limit: 2.0 })
+    offset_with(region, by_mm, CORNERS)
 }
 
 /// The region grown (`by_mm` > 0) or shrunk (`by_mm` < 0) by a distance.
@@ -48,12 +51,21 @@ pub struct Core {
     /// no corner is sharper than 67°. It costs nothing to find out, and holds where the shrunk outlines meet nowhere and lost no
     /// edges but those of convex curves.
     pub is_whole: bool,
+    /// How corners are closed where it grows again.
+    pub corners: Join,
+}
+
+impl Core {
+    /// What is left, grown again by up to the radius.
+    pub fn grown(&self, by_mm: f64) -> Region {
+        offset_with(&self.region, by_mm, self.corners)
+    }
 }
 
 /// The region shrunk by a radius as [`offset`] does.
 pub fn core(region: &Region, radius_mm: f64) -> Core {
-    let (region, is_whole) = moved(region, -radius_mm, Join::Miter { limit: 2.0 });
-    Core { region, is_whole }
+    let (region, is_whole) = moved(region, -radius_mm, CORNERS);
+    Core { region, is_whole, corners: CORNERS }
 }
 
 /// [`offset_with`], and whether all rings surely move back to where they were.
@@ -118,7 +130,7 @@ pub fn narrower(region: &Region, core: &Core, radius_mm: f64, least_mm: f64) -> 
     if core.is_whole {
         return Region::default();
     }
-    opening(&difference(region, &offset(&core.region, radius_mm + KERF_MM)), least_mm / 2.0)
+    opening(&difference(region, &core.grown(radius_mm + KERF_MM)), least_mm / 2.0)
 }
 
 /// The polygons of a region in groups that may meet when each grows by `reach` units, as their numbers.
@@ -240,8 +252,7 @@ mod tests {
             if by_mm.abs() < 0.02 {
                 continue;
             }
-            let whole =
-                positive(&[RingOffset::new(by_mm * UNITS_PER_MM, Join::Miter { limit: 2.0 }).raw(&ring)]).0;
+            let whole = positive(&[RingOffset::new(by_mm * UNITS_PER_MM, CORNERS).raw(&ring)]).0;
             let moved = offset(&Region::from(Polygon { outer: ring.clone(), holes: Vec::new() }), by_mm);
             for (a, b) in [(&whole, &moved), (&moved, &whole)] {
                 let more = opening(&difference(a, b), 3.0 * TOLERANCE_MM);
