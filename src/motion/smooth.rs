@@ -34,9 +34,9 @@ pub(super) fn curve_rad(role: Role, gentle_rad: f64) -> f64 {
     if role == Role::ExternalPerimeter { real::lesser(gentle_rad, SEEN_RAD) } else { gentle_rad }
 }
 
-/// No piece is made shorter than this, in sharp corners than the other.
+/// No piece is made shorter than this, in acute corners of inner walls than the other.
 const SHORTEST_MM: f64 = 0.05;
-const SHORTEST_SHARP_MM: f64 = 0.04;
+const SHORTEST_ACUTE_MM: f64 = 0.04;
 
 /// Corners that turn by more than this are sharp.
 const SHARP_RAD: f64 = 1.0;
@@ -46,9 +46,13 @@ const BLUNT_MM: f64 = 0.0125;
 
 /// Sharp corners of inner walls and solid infill are rounded up to this turn, so far as a share of the bead's width.
 /// The bead is wider on the arc by what that is shorter, and fills the corner in the bead beside it better than a sharp turn.
-/// Corners of 39° are among them, those sharper than 60° with an arc of the same radius; sharper ones of inner walls are cut off.
+/// Corners of 60° are among them.
 const SHARP_WIDTHS: f64 = 0.11;
-const SHARPEST_RAD: f64 = 2.47;
+const SHARPEST_RAD: f64 = 2.1;
+
+/// Inner walls have corners from 39° on: acute ones, which turn by more than that, get an arc of the same radius. The bead covers
+/// itself within them as much as its outside leaves open.
+const ACUTEST_RAD: f64 = 2.47;
 
 /// Which corners are rounded, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +63,7 @@ pub(super) struct Rounding {
     /// So far may an arc leave its corner, blunt or sharp.
     blunt_mm: f64,
     sharp_mm: f64,
-    /// The radius of an arc in a sharp corner is no less.
+    /// The radius of an arc in an acute corner is no less; 0: any.
     least_radius_mm: f64,
     /// An arc turns by about this at each vertex.
     step_rad: f64,
@@ -87,23 +91,34 @@ impl Rounding {
             }
             Role::Perimeter | Role::SolidInfill | Role::TopSolidInfill => {
                 let (sharp_mm, filled_mm) = (SHARP_WIDTHS * width_mm, 0.5 * width_mm);
-                Self { most_rad: SHARPEST_RAD, sharp_mm, least_radius_mm: sharp_mm, filled_mm, ..blunt }
+                let sharp = Self { most_rad: SHARPEST_RAD, sharp_mm, filled_mm, ..blunt };
+                match role {
+                    Role::Perimeter => Self { most_rad: ACUTEST_RAD, least_radius_mm: sharp_mm, ..sharp },
+                    _ => sharp,
+                }
             }
             _ => blunt,
         }
     }
 
     fn deviation_mm(&self, turn_rad: f64) -> f64 {
-        if turn_rad <= SHARP_RAD {
-            return self.blunt_mm;
+        match turn_rad {
+            ..=SHARP_RAD => self.blunt_mm,
+            ..=SHARPEST_RAD => self.sharp_mm,
+            _ => self.sharp_mm.max(self.least_radius_mm * (1.0 / real::cos(0.5 * turn_rad) - 1.0)),
         }
-        self.sharp_mm.max(self.least_radius_mm * (1.0 / real::cos(0.5 * turn_rad) - 1.0))
+    }
+
+    /// No piece of an arc is made shorter.
+    fn shortest_mm(&self, turn_rad: f64) -> f64 {
+        if turn_rad > SHARPEST_RAD && self.least_radius_mm > 0.0 { SHORTEST_ACUTE_MM } else { SHORTEST_MM }
     }
 
     /// Length of the bead that holds as much as the round outside of a sharp corner leaves open.
     fn open_mm(&self, turn_rad: f64) -> f64 {
         let half = 0.5 * turn_rad;
-        if turn_rad > SHARP_RAD { 0.5 * self.filled_mm * (real::tan(half) - half) } else { 0.0 }
+        let is_open = turn_rad > SHARP_RAD && turn_rad <= SHARPEST_RAD;
+        if is_open { 0.5 * self.filled_mm * (real::tan(half) - half) } else { 0.0 }
     }
 }
 
@@ -153,9 +168,8 @@ pub(super) fn round_corners(from: [f64; 2], pieces: &[Piece], rounding: &Roundin
             rounding.deviation_mm(turn.abs()) * real::sin(half) / (1.0 - real::cos(half)).max(1e-9);
         let tangent_mm = by_deviation_mm.min(0.5 * u_mm).min(0.5 * v_mm);
         let radius_mm = tangent_mm / real::tan(half);
-        let shortest_mm = if turn.abs() > SHARP_RAD { SHORTEST_SHARP_MM } else { SHORTEST_MM };
-        let steps =
-            (turn.abs() / rounding.step_rad).ceil().min((radius_mm * turn.abs() / shortest_mm).floor());
+        let most_steps = (radius_mm * turn.abs() / rounding.shortest_mm(turn.abs())).floor();
+        let steps = (turn.abs() / rounding.step_rad).ceil().min(most_steps);
         if steps < 2.0 {
             out.push(left);
             (at, left) = (corner, *next);

@@ -153,10 +153,9 @@ impl Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::ops::Range;
 
-    /// Lines from left to right, from x to x at y.
-    fn monotonic(lines: &[[f64; 3]]) -> Vec<Range<usize>> {
+    /// The first and the last line of each monotonic surface, of lines from left to right, from x to x at y.
+    fn monotonic(lines: &[[f64; 3]]) -> Vec<[usize; 2]> {
         let line = |(path, &[from, to, y]): (usize, &[f64; 3])| Line {
             path,
             ends: [[from, y], [to, y]],
@@ -164,7 +163,7 @@ mod tests {
         };
         let lines: Vec<Line> = lines.iter().enumerate().map(line).collect();
         let surfaces = surfaces(&lines).into_iter().filter(Surface::is_monotonic);
-        surfaces.map(|surface| surface.first..surface.last + 1).collect()
+        surfaces.map(|surface| [surface.first, surface.last]).collect()
     }
 
     #[test]
@@ -173,16 +172,16 @@ mod tests {
         let right = [[6.0, 9.0, 0.8], [6.0, 9.0, 1.2]];
         let around: Vec<[f64; 3]> =
             [[[0.0, 9.0, 0.0], [0.0, 9.0, 0.4]], left, right, [[0.0, 9.0, 1.6], [0.0, 9.0, 2.0]]].concat();
-        assert_eq!(monotonic(&around), [0..8]);
+        assert_eq!(monotonic(&around), [[0, 7]]);
         let mut with_another = around.clone();
         with_another.insert(4, [20.0, 25.0, 0.8]);
-        assert_eq!(monotonic(&with_another), [0..9]);
+        assert_eq!(monotonic(&with_another), [[0, 8]]);
     }
 
     #[test]
     fn a_surface_with_a_line_between_two_others_is_none() {
         let rows = [0.0, 0.8, 0.4, 1.2, 1.6, 2.0];
-        assert_eq!(monotonic(&rows.map(|y| [0.0, 9.0, y])), []);
-        assert_eq!(monotonic(&[2.0, 1.6, 1.2, 0.8].map(|y| [0.0, 9.0, y])), [0..4]);
+        assert_eq!(monotonic(&rows.map(|y| [0.0, 9.0, y])), [[0; 2]; 0]);
+        assert_eq!(monotonic(&[2.0, 1.6, 1.2, 0.8].map(|y| [0.0, 9.0, y])), [[0, 3]]);
     }
 }
