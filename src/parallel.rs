@@ -6,12 +6,14 @@
 mod cpus;
 
 use std::cell::Cell;
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::mpsc;
+use std::sync::Arc;
+use std::thread;
 use std::time::{Duration, Instant};
 
-use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
+use rayon::{ThreadBuilder, ThreadPoolBuilder};
 
 use self::cpus::Cpus;
 use crate::observer::Observer;
@@ -74,26 +76,30 @@ fn in_pool() -> bool {
 )]
 pub(crate) fn take_part(threads: usize) {
     if HAS_THREADS && !in_pool() {
-        let cpus = Cpus::default();
+        let cpus = Arc::new(Cpus::default());
         cpus.begin();
-        let (begun, begins) = mpsc::channel();
-        // Whether somebody still waits for it is not a worker's affair.
-        let start = move |_| {
-            cpus.begin();
-            let _ = begun.send(());
-        };
         let builder = ThreadPoolBuilder::new().num_threads(threads).use_current_thread();
-        let Ok(pool) = builder.start_handler(start).build() else { return };
+        let Ok(pool) = builder.spawn_handler(spawn_on(cpus.clone())).build() else { return };
         ONE_OF.set(Some(threads));
-        // Those that are on this thread's CPU need it to leave it.
+        // Those that are on this thread's CPU need it to leave it; to wake a thread that sleeps takes longer than they do.
         let until = Instant::now() + BEGINNING;
-        for _ in 1..pool.current_num_threads() {
-            if begins.recv_timeout(until.saturating_duration_since(Instant::now())).is_err() {
-                break;
-            }
+        while cpus.begun() < pool.current_num_threads() && Instant::now() < until {
+            thread::yield_now();
         }
         // They end with the program.
         std::mem::forget(pool);
+    }
+}
+
+/// Starts workers that begin on CPUs of their own before they do anything else: memory that they touch takes its time.
+fn spawn_on(cpus: Arc<Cpus>) -> impl FnMut(ThreadBuilder) -> io::Result<()> {
+    move |worker| {
+        let cpus = cpus.clone();
+        let begin = move || {
+            cpus.begin();
+            worker.run();
+        };
+        thread::Builder::new().spawn(begin).map(|_| ())
     }
 }
 
@@ -115,10 +121,7 @@ pub(crate) fn run<T: Send>(
 ) -> Option<T> {
     let work = || work(Workers { observer });
     let threads = threads.filter(|_| HAS_THREADS && threads != ONE_OF.get());
-    let pool = |n| {
-        let cpus = Cpus::default();
-        ThreadPoolBuilder::new().num_threads(n).start_handler(move |_| cpus.begin()).build()
-    };
+    let pool = |n| ThreadPoolBuilder::new().num_threads(n).spawn_handler(spawn_on(Arc::default())).build();
     let attempt = || match threads.map(pool) {
         Some(Ok(pool)) => pool.install(work),
         // Where the system has no threads to give, the caller does the work.

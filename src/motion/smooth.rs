@@ -50,8 +50,8 @@ const BLUNT_MM: f64 = 0.0125;
 const SHARP_WIDTHS: f64 = 0.11;
 const SHARPEST_RAD: f64 = 2.1;
 
-/// Inner walls have corners from 39° on: acute ones, which turn by more than that, get an arc of the same radius. The bead covers
-/// itself within them as much as its outside leaves open.
+/// Corners of inner walls turn by up to this. Those that turn by more than [`SHARPEST_RAD`] are acute and get an arc of the same radius as
+/// one that turns by that: the bead covers itself within them as much as its outside leaves open.
 const ACUTEST_RAD: f64 = 2.47;
 
 /// Which corners are rounded, and how far.
@@ -63,8 +63,8 @@ pub(super) struct Rounding {
     /// So far may an arc leave its corner, blunt or sharp.
     blunt_mm: f64,
     sharp_mm: f64,
-    /// The radius of an arc in an acute corner is no less; 0: any.
-    least_radius_mm: f64,
+    /// Whether there are acute corners that are no rounder than sharp ones.
+    has_acute: bool,
     /// An arc turns by about this at each vertex.
     step_rad: f64,
     /// Half of the bead's width where what its round outside leaves open in a corner is filled, else 0.
@@ -80,7 +80,7 @@ impl Rounding {
             most_rad: SHARP_RAD,
             blunt_mm: BLUNT_MM,
             sharp_mm: 0.0,
-            least_radius_mm: 0.0,
+            has_acute: false,
             step_rad: gentle_rad,
             filled_mm: 0.0,
         };
@@ -91,11 +91,9 @@ impl Rounding {
             }
             Role::Perimeter | Role::SolidInfill | Role::TopSolidInfill => {
                 let (sharp_mm, filled_mm) = (SHARP_WIDTHS * width_mm, 0.5 * width_mm);
-                let sharp = Self { most_rad: SHARPEST_RAD, sharp_mm, filled_mm, ..blunt };
-                match role {
-                    Role::Perimeter => Self { most_rad: ACUTEST_RAD, least_radius_mm: sharp_mm, ..sharp },
-                    _ => sharp,
-                }
+                let has_acute = role == Role::Perimeter;
+                let most_rad = if has_acute { ACUTEST_RAD } else { SHARPEST_RAD };
+                Self { most_rad, sharp_mm, has_acute, filled_mm, ..blunt }
             }
             _ => blunt,
         }
@@ -104,14 +102,14 @@ impl Rounding {
     fn deviation_mm(&self, turn_rad: f64) -> f64 {
         match turn_rad {
             ..=SHARP_RAD => self.blunt_mm,
-            ..=SHARPEST_RAD => self.sharp_mm,
-            _ => self.sharp_mm.max(self.least_radius_mm * (1.0 / real::cos(0.5 * turn_rad) - 1.0)),
+            SHARPEST_RAD.. if self.has_acute => self.sharp_mm * (1.0 / real::cos(0.5 * turn_rad) - 1.0),
+            _ => self.sharp_mm,
         }
     }
 
     /// No piece of an arc is made shorter.
     fn shortest_mm(&self, turn_rad: f64) -> f64 {
-        if turn_rad > SHARPEST_RAD && self.least_radius_mm > 0.0 { SHORTEST_ACUTE_MM } else { SHORTEST_MM }
+        if turn_rad > SHARPEST_RAD && self.has_acute { SHORTEST_ACUTE_MM } else { SHORTEST_MM }
     }
 
     /// Length of the bead that holds as much as the round outside of a sharp corner leaves open.

@@ -5,22 +5,32 @@
 
 #[cfg(all(feature = "system", target_os = "linux"))]
 mod system {
+    use std::sync::atomic::{AtomicUsize, Ordering};
     use std::sync::{Mutex, PoisonError};
 
     use nix::sched::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
     use nix::unistd::Pid;
 
-    /// Those that the workers of one pool have begun on.
+    /// Those that the workers of one pool have begun on, and how many these are.
     #[derive(Default)]
-    pub struct Cpus(Mutex<CpuSet>);
+    pub struct Cpus {
+        taken: Mutex<CpuSet>,
+        begun: AtomicUsize,
+    }
 
     impl Cpus {
         /// Moves the calling thread to a CPU that no other worker has begun on, if its own is one of those. Where it runs afterwards is
         /// up to the system again.
         pub fn begin(&self) {
-            let mut taken = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
             // A worker that may not choose begins where it is.
             let _ = begin_beside(&mut taken);
+            self.begun.fetch_add(1, Ordering::Relaxed);
+        }
+
+        /// How many workers have begun.
+        pub fn begun(&self) -> usize {
+            self.begun.load(Ordering::Relaxed)
         }
     }
 
@@ -60,7 +70,7 @@ mod system {
                     allowed()
                 };
                 let afterwards = std::thread::scope(|scope| scope.spawn(begun).join().unwrap());
-                assert_eq!(count(&cpus.0.lock().unwrap()), workers.min(all));
+                assert_eq!(count(&cpus.taken.lock().unwrap()), workers.min(all));
                 assert_eq!(afterwards, allowed());
             }
         }
@@ -76,6 +86,11 @@ mod system {
     impl Cpus {
         /// Nothing: workers begin where the system lets them.
         pub fn begin(&self) {}
+
+        /// Nobody has to be waited for.
+        pub fn begun(&self) -> usize {
+            usize::MAX
+        }
     }
 }
 

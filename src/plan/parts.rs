@@ -152,13 +152,15 @@ fn press(parts: &mut Parts, section: &Region, height_mm: f64, bead_mm: f64) {
     let radius_mm = bead_mm / 2.0;
     let narrow = geometry::difference(section, &geometry::opening(section, radius_mm));
     for part in parts {
-        let beside = geometry::offset(&geometry::difference(section, &part.region), each_mm);
         let pressed = geometry::intersection(&geometry::offset(&part.region, each_mm), section);
         let core = geometry::offset(&pressed, -radius_mm);
         let roomy = geometry::union(&geometry::offset_with(&core, radius_mm, ROUND), &narrow);
         let mut tips = geometry::difference(&pressed, &roomy);
-        // Corners that are the section's own lie beside nothing.
-        tips.retain(|tip| !geometry::intersection(&Region::from(tip.clone()), &beside).is_empty());
+        if !tips.is_empty() {
+            // Corners that are the section's own lie beside nothing.
+            let beside = geometry::offset(&geometry::difference(section, &part.region), each_mm);
+            tips.retain(|tip| !geometry::intersection(&Region::from(tip.clone()), &beside).is_empty());
+        }
         part.region = geometry::difference(&pressed, &tips);
     }
 }

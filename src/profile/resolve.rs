@@ -13,6 +13,7 @@ use super::source::{Assignment, Reader};
 use super::tools;
 use super::value::{check, shortened, shown, typed_value};
 use crate::limits;
+use crate::parallel;
 use crate::presets::Config;
 
 /// A setting given on the command line.
@@ -93,10 +94,25 @@ pub fn resolve_presets(
 /// # Errors
 /// As [`resolve`].
 pub(crate) fn resolve_layers<'a>(
-    layers: impl IntoIterator<Item = Layer<'a>>,
+    layers: impl IntoIterator<Item = Layer<'a>> + Send,
 ) -> Result<Resolved, ProfileError> {
+    let default = [Layer::Embedded(embedded::DEFAULT)];
+    let (default, own) = parallel::join(|| read_layers(default), || read_layers(layers));
+    let assignments = default.assignments.into_iter().chain(own.assignments);
+    let mut problems = [default.problems, own.problems].concat();
+    let Assigned { settings, origins, warnings } =
+        assigned(Settings::of_stages(), assignments, &mut problems);
+    if problems.is_empty() {
+        let warnings = own.notes.into_iter().chain(warnings).collect();
+        Ok(Resolved { settings, origins, warnings })
+    } else {
+        Err(ProfileError { problems })
+    }
+}
+
+/// What layers assign.
+fn read_layers<'a>(layers: impl IntoIterator<Item = Layer<'a>>) -> Reader {
     let mut reader = Reader::default();
-    reader.read(embedded::DEFAULT, "--profile");
     for layer in layers {
         let (key, value, origin) = match layer {
             Layer::Presets(presets) => {
@@ -122,15 +138,7 @@ pub(crate) fn resolve_layers<'a>(
         };
         reader.assignments.push(Assignment { key: key.to_owned(), value: typed_value(key, value), origin });
     }
-    let Reader { assignments, mut problems, notes, .. } = reader;
-    let Assigned { settings, origins, warnings } =
-        assigned(Settings::of_stages(), assignments, &mut problems);
-    if problems.is_empty() {
-        let warnings = notes.into_iter().chain(warnings).collect();
-        Ok(Resolved { settings, origins, warnings })
-    } else {
-        Err(ProfileError { problems })
-    }
+    reader
 }
 
 /// Settings after assignments, with what they brought.

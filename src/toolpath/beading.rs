@@ -38,10 +38,8 @@ pub(super) const FULL: f64 = 1.25;
 /// The same for the innermost pair of walls: instead of a thin bead between them they get up to half as wide again.
 pub(super) const FULL_INNERMOST: f64 = 1.5;
 
-/// Corners sharper than 60° are left to single beads, which reach further into them.
-pub(super) const CORNERS: Join = Join::Miter { limit: 2.0 };
-
-/// Of inner walls only those sharper than 39°: a dot in each would take longer than it fills.
+/// Corners sharper than 60° are left to single beads, which reach further into them; of inner walls only those sharper than 39°:
+/// a dot in each would take longer than it fills.
 pub(super) const INNER_CORNERS: Join = Join::Miter { limit: 3.0 };
 
 /// Gaps narrower than this hold no bead that a nozzle could lay.
@@ -135,7 +133,7 @@ pub(super) fn fill(region: &Region, spacing_mm: f64) -> (Vec<Line>, Vec<Gap>) {
     let (mut loops, mut gaps) = (Vec::new(), Vec::new());
     let mut rest = region.clone();
     while !rest.is_empty() {
-        let pair = pair(&rest, spacing_mm, FULL, MIN_GAP_MM, CORNERS);
+        let pair = pair(&rest, spacing_mm, FULL, MIN_GAP_MM, Join::DEFAULT);
         loops.extend(pair.loops);
         gaps.extend(pair.gap);
         rest = pair.rest;
@@ -407,7 +405,7 @@ mod tests {
             [(0.0, 10.0), (0.0, 0.0), (9.5, 0.0), (9.5, -4.0), (10.5, -4.0), (10.5, 0.0), (20.0, 0.0)];
         let outer = arc.chain(straight.map(|(x, y)| Point::from_mm(x, y))).collect();
         let region = Region::from(Polygon { outer, holes: Vec::new() });
-        let lines = pair(&region, 0.4, FULL, MIN_GAP_MM, CORNERS).loops;
+        let lines = pair(&region, 0.4, FULL, MIN_GAP_MM, Join::DEFAULT).loops;
         let widths =
             |line: &Line| line.points.iter().map(|p| p.mm()).zip(line.spacing_mm.clone()).collect::<Vec<_>>();
         let top: Vec<([f64; 2], f32)> =

@@ -1,7 +1,7 @@
 //! Extra perimeters on overhangs: what hangs over air without anchors at both of its sides is filled with beads along its
 //! walls, which begin and end where the part is held.
 
-use geometry::{Clipper, KnownAxes, Point, Region};
+use geometry::{Clipper, Join, KnownAxes, Point, Region};
 
 use super::bead::Line;
 use super::beading;
@@ -20,7 +20,7 @@ pub(super) fn fill(inside: &Region, area: &Region, spacing_mm: f64, axes: &Known
     });
     let mut lines = Vec::new();
     while !geometry::intersection(&rest, area).is_empty() {
-        let pair = beading::pair(&rest, spacing_mm, beading::FULL, beading::MIN_GAP_MM, beading::CORNERS);
+        let pair = beading::pair(&rest, spacing_mm, beading::FULL, beading::MIN_GAP_MM, Join::DEFAULT);
         lines.extend(pair.loops.iter().flat_map(|line| cut(line, &clipper)));
         if let Some(gap) = pair.gap {
             let (least_mm, most_mm) = (beading::MIN_GAP_MM, beading::WIDEST * spacing_mm);

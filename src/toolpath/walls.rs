@@ -6,7 +6,7 @@
 //! part, see [`beading`](super::beading).
 
 use super::options::WallGenerator;
-use geometry::{Polygon, Region};
+use geometry::{Join, Polygon, Region};
 
 use super::bead::{self, Line};
 use super::beading::{self, Gap};
@@ -177,7 +177,7 @@ fn fitted(mut rest: Region, spec: &WallSpec, first: u32) -> Walls {
         }
         let is_innermost = depth > 0 && depth + 1 == spec.count;
         let full = if is_innermost { beading::FULL_INNERMOST } else { beading::FULL };
-        let corners = if depth > 0 { beading::INNER_CORNERS } else { beading::CORNERS };
+        let corners = if depth > 0 { beading::INNER_CORNERS } else { Join::DEFAULT };
         let pair = beading::pair(&rest, spec.spacing_mm(depth), full, spec.least_gap_mm(depth), corners);
         if spec.gap_fill {
             walls.gaps.extend(pair.gap.map(|gap| (depth, gap)));
@@ -218,7 +218,7 @@ fn leave_inside(mut walls: Walls, mut rest: Region, radius: f64, spec: &WallSpec
     if spec.gap_fill && !rest.is_empty() {
         let spacing_mm = spec.spacing_mm(spec.count);
         let radius_mm = radius * spacing_mm;
-        let core = beading::core(&rest, radius_mm, spacing_mm, beading::CORNERS);
+        let core = beading::core(&rest, radius_mm, spacing_mm, Join::DEFAULT);
         if let Some(gap) = beading::gap(&rest, &core, radius_mm, spec.least_gap_mm(spec.count)) {
             walls.gaps.push((spec.count, gap));
             rest = geometry::intersection(&core.grown(radius_mm), &rest);

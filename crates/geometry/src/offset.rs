@@ -15,9 +15,6 @@ const TOLERANCE_MM: f64 = 0.0025;
 /// A part is taken out of a region with so much to spare: twice what offsetting may have moved the boundary.
 const KERF_MM: f64 = 2.0 * TOLERANCE_MM;
 
-/// How corners are closed, unless it is said.
-const CORNERS: Join = Join::Miter { limit: 2.0 };
-
 /// Parts of a result smaller than this many square millimetres (a square of 5 µm) are dropped.
 const MIN_AREA_MM2: f64 = 2.5e-5;
 
@@ -25,7 +22,7 @@ const MIN_AREA_MM2: f64 = 2.5e-5;
 ///
 /// See [`offset_with`].
 pub fn offset(region: &Region, by_mm: f64) -> Region {
-    offset_with(region, by_mm, CORNERS)
+    offset_with(region, by_mm, Join::DEFAULT)
 }
 
 /// The region grown (`by_mm` > 0) or shrunk (`by_mm` < 0) by a distance.
@@ -64,8 +61,8 @@ impl Core {
 
 /// The region shrunk by a radius as [`offset`] does.
 pub fn core(region: &Region, radius_mm: f64) -> Core {
-    let (region, is_whole) = moved(region, -radius_mm, CORNERS);
-    Core { region, is_whole, corners: CORNERS }
+    let (region, is_whole) = moved(region, -radius_mm, Join::DEFAULT);
+    Core { region, is_whole, corners: Join::DEFAULT }
 }
 
 /// [`offset_with`], and whether all rings surely move back to where they were.
@@ -252,7 +249,7 @@ mod tests {
             if by_mm.abs() < 0.02 {
                 continue;
             }
-            let whole = positive(&[RingOffset::new(by_mm * UNITS_PER_MM, CORNERS).raw(&ring)]).0;
+            let whole = positive(&[RingOffset::new(by_mm * UNITS_PER_MM, Join::DEFAULT).raw(&ring)]).0;
             let moved = offset(&Region::from(Polygon { outer: ring.clone(), holes: Vec::new() }), by_mm);
             for (a, b) in [(&whole, &moved), (&moved, &whole)] {
                 let more = opening(&difference(a, b), 3.0 * TOLERANCE_MM);

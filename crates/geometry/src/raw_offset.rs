@@ -25,6 +25,9 @@ pub enum Join {
 const LIMIT: f64 = 1.07e9;
 
 impl Join {
+    /// Corners sharper than 60° are cut off square.
+    pub const DEFAULT: Self = Self::Miter { limit: 2.0 };
+
     /// The farthest that a join may lie from its corner, in distances.
     pub(super) fn reach(self) -> f64 {
         match self {

@@ -9,6 +9,9 @@ use super::solid::SolidPatch;
 /// Lines one beside the other, of which each but the first lies against the one before alone, and is alone against it.
 struct Stretch {
     patch: SolidPatch,
+    /// The ends of its first line, and of its last.
+    begin: [Point; 2],
+    end: [Point; 2],
     /// So many others that its first line lies against are still to come.
     waits_for: usize,
     /// Those whose first line lies against its last.
@@ -44,17 +47,16 @@ pub fn monotone(patches: Vec<SolidPatch>) -> Vec<SolidPatch> {
     }
     let mut open: Vec<usize> = (0..stretches.len()).filter(|k| stretches[*k].waits_for == 0).collect();
     let mut order = Vec::with_capacity(stretches.len());
-    let mut from: Vec<Point> = Vec::new();
+    let mut from: Option<[Point; 2]> = None;
     while !open.is_empty() {
-        let distance_mm = |place: &usize| {
-            let [to, _] = stretches[open[*place]].patch.ends();
-            let distances = from.iter().flat_map(|a| to.iter().map(|b| a.distance_mm(*b)));
-            distances.fold(f64::INFINITY, f64::min)
+        let distance_mm = |number: usize| {
+            let pairs = from.into_iter().flatten().flat_map(|a| stretches[number].begin.map(|b| (a, b)));
+            pairs.map(|(a, b)| a.distance_mm(b)).fold(f64::INFINITY, f64::min)
         };
-        let distances_mm: Vec<f64> = (0..open.len()).map(|place| distance_mm(&place)).collect();
-        let nearest = (0..open.len()).min_by(|a, b| distances_mm[*a].total_cmp(&distances_mm[*b]));
-        let number = open.remove(nearest.unwrap_or(0));
-        [_, from] = stretches[number].patch.ends();
+        let distances_mm = open.iter().map(|number| distance_mm(*number)).enumerate();
+        let nearest = distances_mm.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
+        let number = open.remove(nearest);
+        from = Some(stretches[number].end);
         for next in std::mem::take(&mut stretches[number].followers) {
             stretches[next].waits_for -= 1;
             if stretches[next].waits_for == 0 {
@@ -65,6 +67,10 @@ pub fn monotone(patches: Vec<SolidPatch>) -> Vec<SolidPatch> {
     }
     let mut patches: Vec<Option<SolidPatch>> = stretches.into_iter().map(|own| Some(own.patch)).collect();
     order.into_iter().filter_map(|number| patches[number].take()).collect()
+}
+
+fn ends(line: &Line) -> [Point; 2] {
+    [line.points[0], line.points[line.points.len() - 1]]
 }
 
 /// Takes a patch apart.
@@ -89,15 +95,18 @@ fn add_stretches(patch: SolidPatch, stretches: &mut Vec<Stretch>) {
             && after[one] == 1
         {
             let own: usize = stretch_of[one];
-            let lines = &mut stretches[own].patch.lines;
-            lines.push((lines.len() as u32, line));
+            let Stretch { patch, end, .. } = &mut stretches[own];
+            *end = ends(&line);
+            patch.lines.push((patch.lines.len() as u32, line));
             stretch_of.push(own);
             continue;
         }
         let own = stretches.len();
         before[number].iter().for_each(|other| stretches[stretch_of[*other]].followers.push(own));
+        let [begin, end] = [ends(&line); 2];
         let patch = SolidPatch { spacing_mm, direction, lines: vec![(0, line)] };
-        stretches.push(Stretch { patch, waits_for: before[number].len(), followers: Vec::new() });
+        let waits_for = before[number].len();
+        stretches.push(Stretch { patch, begin, end, waits_for, followers: Vec::new() });
         stretch_of.push(own);
     }
 }

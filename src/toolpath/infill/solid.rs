@@ -68,18 +68,6 @@ pub struct SolidPatch {
     pub lines: Vec<(u32, Line)>,
 }
 
-impl SolidPatch {
-    /// The ends of its first and of its last line.
-    pub(super) fn ends(&self) -> [Vec<Point>; 2] {
-        let ends = |line: Option<&(u32, Line)>| match line {
-            Some((_, line)) => line.points.first().into_iter().chain(line.points.last()).copied().collect(),
-            None => Vec::new(),
-        };
-        let index = |line: &&(u32, Line)| line.0;
-        [ends(self.lines.iter().min_by_key(index)), ends(self.lines.iter().max_by_key(index))]
-    }
-}
-
 /// How a region is filled solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidSpec {
