@@ -15,6 +15,12 @@ const PART_MM: f64 = 2.0;
 /// Distances that differ by less may be the same, in millimetres.
 const NOISE_MM: f64 = 1e-9;
 
+/// A bead whose centre line is so far inside of the layer below, in its widths, is held; how much farther makes no difference.
+const HELD: f64 = 0.25;
+
+/// One that is so far outside lies in the air.
+const AIR: f64 = 0.5;
+
 /// How much of a bead's width has nothing under it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Grade {
@@ -34,10 +40,10 @@ impl Grade {
     /// The grade of a bead whose centre line is so far (in its widths) outside of the layer below.
     fn of(outside: f64) -> Self {
         match outside {
-            d if d <= -0.25 => Self::Held,
+            d if d <= -HELD => Self::Held,
             d if d <= 0.0 => Self::Quarter,
             d if d <= 0.25 => Self::Half,
-            d if d < 0.5 => Self::ThreeQuarters,
+            d if d < AIR => Self::ThreeQuarters,
             _ => Self::Air,
         }
     }
@@ -109,23 +115,16 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     fn edge(&mut self, from: Vertex, to: Vertex) {
-        let [a, b] = [from, to].map(|v| Point::from_mm(v.at[0], v.at[1]));
-        let reach = geometry::to_units(0.5 * self.width_mm) + 1;
-        let bounds = Bounds {
-            min: Point::new(a.x.min(b.x) - reach, a.y.min(b.y) - reach),
-            max: Point::new(a.x.max(b.x) + reach, a.y.max(b.y) + reach),
-        };
-        // What is farther off makes no difference.
-        self.near.clear();
-        let edges = self.support.outline.edges_touching(bounds);
-        edges.for_each(|edge| self.near.push([edge.a.mm(), edge.b.mm()]));
-        let away = self.away([from.at, to.at]) / self.width_mm;
+        let mut away = self.look_around([from, to], HELD);
         let inside = match self.inside {
             Some(inside) if away > 0.0 => inside,
-            _ => self.support.outline.contains(a),
+            _ => self.support.outline.contains(Point::from_mm(from.at[0], from.at[1])),
         };
+        if !(inside && away > 0.0) {
+            away = self.look_around([from, to], AIR);
+        }
         self.inside = (away > 0.0).then_some(inside);
-        if away >= 0.5 || (inside && away >= 0.25) {
+        if away >= AIR || (inside && away >= HELD) {
             return self.push(Grade::of(if inside { -away } else { away }), from, to);
         }
         let steps = (distance_mm(from.at, to.at) / STEP_MM).ceil().max(1.0);
@@ -141,6 +140,16 @@ impl Walk<'_> {
             self.push(Grade::of(if inside { -away } else { away }), start, end);
             start = end;
         }
+    }
+
+    /// Distance of an edge from those of the outline, in widths; any that is no less where none is nearer than a reach.
+    fn look_around(&mut self, edge: [Vertex; 2], reach: f64) -> f64 {
+        let [a, b] = edge.map(|v| Point::from_mm(v.at[0], v.at[1]));
+        let bounds = Bounds::spanned(a, b).grown(geometry::to_units(reach * self.width_mm) + 1);
+        self.near.clear();
+        let edges = self.support.outline.edges_touching(bounds);
+        edges.for_each(|edge| self.near.push([edge.a.mm(), edge.b.mm()]));
+        self.away(edge.map(|v| v.at)) / self.width_mm
     }
 
     /// Distance of a segment from the edges near it; 0 where they meet.
