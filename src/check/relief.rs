@@ -31,8 +31,11 @@ impl Tops {
         if cell.wrapping_sub(self.first) >= self.held_mm.len() {
             self.hold(cell);
         }
-        let top_mm = &mut self.held_mm[cell - self.first];
-        *top_mm = top_mm.max(z_mm as f32);
+        if let Some(top_mm) = self.held_mm.get_mut(cell - self.first)
+            && *top_mm < z_mm as f32
+        {
+            *top_mm = z_mm as f32;
+        }
     }
 
     /// Holds a cell, and beyond it half as many as there are, so that this is seldom done.
@@ -60,6 +63,8 @@ pub(super) struct Relief {
     cells_per_mm: f64,
     columns: usize,
     rows: usize,
+    /// The same as numbers that positions are compared with.
+    size: [f64; 2],
     tops: Tops,
     highest_mm: f64,
     /// Where the last short bead ended.
@@ -71,10 +76,11 @@ impl Relief {
     pub fn new(low: [f64; 2], high: [f64; 2], cell_mm: f64) -> Self {
         let [width, depth] = [0, 1].map(|i| (high[i] - low[i]).max(cell_mm));
         let cell_mm = cell_mm.max((width * depth / MOST_CELLS).sqrt());
-        let [columns, rows] = [width, depth].map(|mm| (mm / cell_mm).ceil() as usize);
+        let size = [width, depth].map(|mm| (mm / cell_mm).ceil());
+        let [columns, rows] = size.map(|cells| cells as usize);
         let cells_per_mm = cell_mm.recip();
         let (tops, highest_mm, end) = (Tops::default(), f64::NEG_INFINITY, [f64::NAN; 3]);
-        Self { low, cell_mm, cells_per_mm, columns, rows, tops, highest_mm, end }
+        Self { low, cell_mm, cells_per_mm, columns, rows, size, tops, highest_mm, end }
     }
 
     /// Side of a cell.
@@ -85,12 +91,13 @@ impl Relief {
     /// Column and row at a position, with fractions; `None` beside the bed.
     fn cell_at(&self, [x, y, _]: [f64; 3]) -> Option<[f64; 2]> {
         let [column, row] = [(x - self.low[0]) * self.cells_per_mm, (y - self.low[1]) * self.cells_per_mm];
-        let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
+        let inside = column >= 0.0 && row >= 0.0 && column < self.size[0] && row < self.size[1];
         inside.then_some([column, row])
     }
 
     fn index(&self, at: [f64; 3]) -> Option<usize> {
-        self.cell_at(at).map(|[column, row]| row as usize * self.columns + column as usize)
+        let [column, row] = self.cell_at(at)?.map(|along| along as u32 as usize);
+        Some(row * self.columns + column)
     }
 
     /// How many cells there are.
@@ -252,8 +259,8 @@ impl Relief {
 
     /// A cell is passed at most once between two positions.
     fn samples(&self, travel: &Stroke) -> u32 {
-        let most = 4.0 * (self.columns + self.rows) as f64;
-        let count = (travel.xy_mm / self.cell_mm).ceil();
-        if count.is_finite() { count.clamp(1.0, most) as u32 } else { 1 }
+        // As a count, what is not a number is 0.
+        let most = 4 * (self.columns + self.rows) as u32;
+        ((travel.xy_mm / self.cell_mm) as u32).min(most) + 1
     }
 }

@@ -21,6 +21,9 @@ static TRIPLES: [[u8; 4]; 1000] = {
 /// Numbers of more digits take a longer way.
 const DIGITS: usize = 9;
 
+/// Room before the digits, for a space, a letter and a sign.
+const HEAD: usize = 3;
+
 /// Appends `ticks / 10^decimals`: no trailing zeros, no zero before the point (`.05`, as firmwares read it).
 pub(super) fn push_fixed(out: &mut Vec<u8>, ticks: i64, decimals: u32) {
     push(out, [], ticks, decimals, false);
@@ -38,42 +41,38 @@ pub(super) fn push_word(out: &mut Vec<u8>, letter: u8, ticks: i64, decimals: u32
 
 /// Appends what comes before a number, and the number, at once.
 fn push<const N: usize>(out: &mut Vec<u8>, before: [u8; N], ticks: i64, decimals: u32, leading_zero: bool) {
-    let size = ticks.unsigned_abs();
-    let point = DIGITS.saturating_sub(decimals as usize);
-    if size == 0 || size >= 10_u64.pow(DIGITS as u32) || point == 0 {
+    let (size, behind) = (ticks.unsigned_abs(), decimals as usize);
+    if size == 0 || size >= 10_u64.pow(DIGITS as u32) || behind >= DIGITS {
         out.extend_from_slice(&before);
         return push_any(out, ticks, decimals, leading_zero);
     }
     let size = size as u32;
     let triples = [size / 1_000_000, size / 1000 % 1000, size % 1000].map(|triple| TRIPLES[triple as usize]);
-    // Room behind the digits, so that as many bytes are copied whatever their number is.
-    let mut digits = [b'0'; 2 * DIGITS];
-    for (place, triple) in digits.chunks_exact_mut(3).zip(&triples) {
-        place.copy_from_slice(&triple[..3]);
+    let mut text = [0; HEAD + 2 * DIGITS];
+    for (k, triple) in triples.iter().enumerate() {
+        // The fourth byte is written over, or is none of the number.
+        text[HEAD + 3 * k..][..4].copy_from_slice(triple);
     }
     let zeros = match triples.map(|triple| usize::from(triple[3])) {
         [high, 3, 3] => 6 + high,
         [_, middle, 3] => 3 + middle,
         [_, _, low] => low,
     };
-    let first = DIGITS - 1 - size.ilog10() as usize;
-    let mut text = [b'-'; 32];
-    text[..N].copy_from_slice(&before);
-    let mut end = N + usize::from(ticks < 0);
-    let mut append = |digits: &[u8], count: usize| {
-        text[end..end + DIGITS].copy_from_slice(&digits[..DIGITS]);
-        end += count;
-    };
-    if first < point {
-        append(&digits[first..], point - first);
-    } else if leading_zero {
-        append(&[b'0'; DIGITS], 1);
+    // What is behind the point makes room for it.
+    let point = HEAD + DIGITS - behind;
+    let mut fraction = [0; DIGITS - 1];
+    fraction.copy_from_slice(&text[point..][..DIGITS - 1]);
+    text[point + 1..][..DIGITS - 1].copy_from_slice(&fraction);
+    text[point] = b'.';
+    let end = if zeros < behind { HEAD + DIGITS + 1 - zeros } else { point };
+    let mut start = (HEAD + DIGITS - 1 - size.ilog10() as usize).min(point - usize::from(leading_zero));
+    if ticks < 0 {
+        start -= 1;
+        text[start] = b'-';
     }
-    if zeros + point < DIGITS {
-        append(&[b'.'; DIGITS], 1);
-        append(&digits[point..], DIGITS - zeros - point);
-    }
-    out.extend_from_slice(&text[..end]);
+    start -= N;
+    text[start..][..N].copy_from_slice(&before);
+    out.extend_from_slice(&text[start..end]);
 }
 
 /// Appends any number.

@@ -21,17 +21,20 @@ impl Grid {
             y if y >= by => bx,
             y => ax + (slope * (y - ay) as f64) as i64,
         };
-        let (cell, columns, rows) = (i64::from(self.cell), self.columns as i64, self.rows as i64);
-        let (first, last) = ((ay - SLACK).div_euclid(cell), (by + SLACK).div_euclid(cell));
-        let is_inside = first >= 0 && last < rows;
-        is_inside
-            && (first..=last).all(|row| {
-                let (low, high) = (row * cell - SLACK, (row + 1) * cell + SLACK);
+        if ay <= SLACK || ax.min(bx) <= SLACK {
+            return false;
+        }
+        let cell = i64::from(self.cell);
+        // No two points are further apart than 2³² units.
+        let cell_of = |along: i64| (along as u32 / self.cell as u32) as usize;
+        let (first, last) = (cell_of(ay - SLACK), cell_of(by + SLACK));
+        last < self.rows
+            && (first..last + 1).all(|row| {
+                let (low, high) = (row as i64 * cell - SLACK, (row as i64 + 1) * cell + SLACK);
                 // A level segment is in one row at all its abscissae.
                 let (enter, leave) = if low <= ay && by <= high { (ax, bx) } else { (at(low), at(high)) };
-                let from = (enter.min(leave) - SLACK).div_euclid(cell);
-                let to = (enter.max(leave) + SLACK).div_euclid(cell);
-                from >= 0 && to < columns && holds(row as usize, from as usize, to as usize + 1)
+                let (from, to) = (cell_of(enter.min(leave) - SLACK), cell_of(enter.max(leave) + SLACK));
+                to < self.columns && holds(row, from, to + 1)
             })
     }
 
