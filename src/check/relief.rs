@@ -31,10 +31,9 @@ impl Tops {
         if cell.wrapping_sub(self.first) >= self.held_mm.len() {
             self.hold(cell);
         }
-        if let Some(top_mm) = self.held_mm.get_mut(cell - self.first)
-            && *top_mm < z_mm as f32
-        {
-            *top_mm = z_mm as f32;
+        let (top_mm, z_mm) = (&mut self.held_mm[cell - self.first], z_mm as f32);
+        if *top_mm < z_mm {
+            *top_mm = z_mm;
         }
     }
 

@@ -9,13 +9,19 @@ use super::solid::SolidPatch;
 /// Lines one beside the other, of which each but the first lies against the one before alone, and is alone against it.
 struct Stretch {
     patch: SolidPatch,
-    /// The ends of its first line, and of its last.
-    begin: [Point; 2],
-    end: [Point; 2],
     /// So many others that its first line lies against are still to come.
     waits_for: usize,
     /// Those whose first line lies against its last.
     followers: Vec<usize>,
+}
+
+impl Stretch {
+    /// The ends of its first line, and of its last.
+    fn ends(&self) -> [[Point; 2]; 2] {
+        let lines = &self.patch.lines;
+        [&lines[0], &lines[lines.len() - 1]]
+            .map(|(_, Line { points, .. })| [points[0], points[points.len() - 1]])
+    }
 }
 
 /// From where to where a line lies along and across a direction, millimetres.
@@ -50,13 +56,14 @@ pub fn monotone(patches: Vec<SolidPatch>) -> Vec<SolidPatch> {
     let mut from: Option<[Point; 2]> = None;
     while !open.is_empty() {
         let distance_mm = |number: usize| {
-            let pairs = from.into_iter().flatten().flat_map(|a| stretches[number].begin.map(|b| (a, b)));
+            let [to, _] = stretches[number].ends();
+            let pairs = from.into_iter().flatten().flat_map(|a| to.map(|b| (a, b)));
             pairs.map(|(a, b)| a.distance_mm(b)).fold(f64::INFINITY, f64::min)
         };
         let distances_mm = open.iter().map(|number| distance_mm(*number)).enumerate();
         let nearest = distances_mm.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
         let number = open.remove(nearest);
-        from = Some(stretches[number].end);
+        from = Some(stretches[number].ends()[1]);
         for next in std::mem::take(&mut stretches[number].followers) {
             stretches[next].waits_for -= 1;
             if stretches[next].waits_for == 0 {
@@ -67,10 +74,6 @@ pub fn monotone(patches: Vec<SolidPatch>) -> Vec<SolidPatch> {
     }
     let mut patches: Vec<Option<SolidPatch>> = stretches.into_iter().map(|own| Some(own.patch)).collect();
     order.into_iter().filter_map(|number| patches[number].take()).collect()
-}
-
-fn ends(line: &Line) -> [Point; 2] {
-    [line.points[0], line.points[line.points.len() - 1]]
 }
 
 /// Takes a patch apart.
@@ -95,18 +98,15 @@ fn add_stretches(patch: SolidPatch, stretches: &mut Vec<Stretch>) {
             && after[one] == 1
         {
             let own: usize = stretch_of[one];
-            let Stretch { patch, end, .. } = &mut stretches[own];
-            *end = ends(&line);
-            patch.lines.push((patch.lines.len() as u32, line));
+            let lines = &mut stretches[own].patch.lines;
+            lines.push((lines.len() as u32, line));
             stretch_of.push(own);
             continue;
         }
         let own = stretches.len();
         before[number].iter().for_each(|other| stretches[stretch_of[*other]].followers.push(own));
-        let [begin, end] = [ends(&line); 2];
         let patch = SolidPatch { spacing_mm, direction, lines: vec![(0, line)] };
-        let waits_for = before[number].len();
-        stretches.push(Stretch { patch, begin, end, waits_for, followers: Vec::new() });
+        stretches.push(Stretch { patch, waits_for: before[number].len(), followers: Vec::new() });
         stretch_of.push(own);
     }
 }
