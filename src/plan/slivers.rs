@@ -97,9 +97,20 @@ fn give_away_once(section: &Region, narrow: &Region, pieces: &mut Vec<Piece>, li
     for piece in pieces.iter_mut() {
         let mut region = kept(piece);
         region.retain(|polygon| has_room(&Region::from(polygon.clone()), narrow, line_mm));
-        piece.region = region;
+        piece.region = without_hanging(&region, narrow, line_mm);
     }
     share_out(section, &before, pieces);
+}
+
+/// A region without what hangs on the rest by a point only, and is too small by itself.
+fn without_hanging(region: &Region, narrow: &Region, line_mm: f64) -> Region {
+    let parts = offset(region, -CRACK_MM / 2.0);
+    let parts = parts.polygons().iter().map(|part| Region::from(part.clone()));
+    let small: Vec<Region> = parts.filter(|part| !has_room(part, narrow, line_mm)).collect();
+    match small.is_empty() {
+        true => region.clone(),
+        false => difference(region, &across_cracks(&union_all(&small))),
+    }
 }
 
 /// Gives what of a section no piece has to the piece that it touches most, or touched most `before`.
@@ -107,13 +118,16 @@ pub(super) fn share_out(section: &Region, before: &[Region], pieces: &mut Vec<Pi
     let left = pieces.iter().fold(section.clone(), |left, piece| difference(&left, &piece.region));
     for sliver in left.polygons().iter().filter(|polygon| !is_crack(polygon)) {
         let sliver = Region::from(sliver.clone());
-        let near = offset(&sliver, TOUCH_MM);
-        let most = |of: &mut dyn Iterator<Item = &Region>| {
+        let most = |within_mm: f64, of: &mut dyn Iterator<Item = &Region>| {
+            let near = offset(&sliver, within_mm);
             let areas = of.map(|region| intersection(&near, region).area_mm2()).enumerate();
             areas.filter(|(_, area)| *area > 0.0).max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
         };
-        let touched = most(&mut pieces.iter().map(|piece| &piece.region));
-        let Some((number, _)) = touched.or_else(|| most(&mut before.iter())) else { continue };
+        // Those that it meets come first: beside another it would be a piece of its own.
+        let touched = [CRACK_MM, TOUCH_MM]
+            .into_iter()
+            .find_map(|within_mm| most(within_mm, &mut pieces.iter().map(|piece| &piece.region)));
+        let Some((number, _)) = touched.or_else(|| most(TOUCH_MM, &mut before.iter())) else { continue };
         // Across cracks, so that it is one with its piece.
         let grown = intersection(&across_cracks(&sliver), section);
         for (other, piece) in pieces.iter_mut().enumerate() {
@@ -220,6 +234,22 @@ pub(super) mod tests {
         assert!((area_mm2(1) - 50.0).abs() < 1e-6, "{}", area_mm2(1));
         assert!((area_mm2(2) - 4.0).abs() < 0.2, "the rib, and not the strip: {}", area_mm2(2));
         assert!((area_mm2(0) - 50.0).abs() < 0.2, "{}", area_mm2(0));
+    }
+
+    #[test]
+    fn a_speck_where_a_section_crosses_itself_is_no_piece() {
+        let corners = [
+            (3.1551395720648068, 5.891476653332324),
+            (-7.5567807487363945, 1.177055890934446),
+            (3.3726504384997367, 5.086910731474174),
+            (-5.9398957992515165, -8.417796001512473),
+            (-8.590080384387335, 9.013767658893142),
+        ];
+        let section = geometry::unite_rings(&[corners.iter().map(|&(x, y)| Point::from_mm(x, y)).collect()]);
+        let (low, high) = ((-9.51933682873797, 1.2662254609027863), (-5.358345437, 11.167546781));
+        let mut all = pieces(&section, &[rectangle(low, high)]);
+        give_away(&section, &mut all, 0.45);
+        is_sound(&section, &all, 0.45).unwrap();
     }
 
     proptest! {
