@@ -6,14 +6,13 @@
 mod cpus;
 
 use std::cell::Cell;
-use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use rayon::{ThreadBuilder, ThreadPoolBuilder};
+use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use self::cpus::Cpus;
 use crate::observer::Observer;
@@ -78,29 +77,35 @@ pub(crate) fn take_part(threads: usize) {
     if HAS_THREADS && !in_pool() {
         let cpus = Arc::new(Cpus::default());
         cpus.begin();
-        let builder = ThreadPoolBuilder::new().num_threads(threads).use_current_thread();
-        let Ok(pool) = builder.spawn_handler(spawn_on(cpus.clone())).build() else { return };
+        let Ok(pool) = start(threads, &cpus, ThreadPoolBuilder::use_current_thread) else { return };
         ONE_OF.set(Some(threads));
-        // Those that are on this thread's CPU need it to leave it; to wake a thread that sleeps takes longer than they do.
-        let until = Instant::now() + BEGINNING;
-        while cpus.begun() < pool.current_num_threads() && Instant::now() < until {
-            thread::yield_now();
-        }
         // They end with the program.
         std::mem::forget(pool);
     }
 }
 
-/// Starts workers that begin on CPUs of their own before they do anything else: memory that they touch takes its time.
-fn spawn_on(cpus: Arc<Cpus>) -> impl FnMut(ThreadBuilder) -> io::Result<()> {
-    move |worker| {
+/// Starts workers on CPUs of their own, where they are before they do anything else: memory that they touch takes its time.
+fn start(
+    threads: usize,
+    cpus: &Arc<Cpus>,
+    build: impl FnOnce(ThreadPoolBuilder) -> ThreadPoolBuilder,
+) -> Result<ThreadPool, ThreadPoolBuildError> {
+    let spawn = |worker: ThreadBuilder| {
         let cpus = cpus.clone();
         let begin = move || {
             cpus.begin();
             worker.run();
         };
         thread::Builder::new().spawn(begin).map(|_| ())
+    };
+    let pool = build(ThreadPoolBuilder::new().num_threads(threads)).spawn_handler(spawn).build()?;
+    // Those that are on this thread's CPU need it to leave it; to wake a thread that sleeps takes longer than they do.
+    let until = Instant::now() + BEGINNING;
+    while cpus.begun() < pool.current_num_threads() && Instant::now() < until {
+        thread::yield_now();
     }
+    cpus.keep_apart();
+    Ok(pool)
 }
 
 /// How long is waited for threads to begin.
@@ -121,7 +126,7 @@ pub(crate) fn run<T: Send>(
 ) -> Option<T> {
     let work = || work(Workers { observer });
     let threads = threads.filter(|_| HAS_THREADS && threads != ONE_OF.get());
-    let pool = |n| ThreadPoolBuilder::new().num_threads(n).spawn_handler(spawn_on(Arc::default())).build();
+    let pool = |n| start(n, &Arc::default(), |builder| builder);
     let attempt = || match threads.map(pool) {
         Some(Ok(pool)) => pool.install(work),
         // Where the system has no threads to give, the caller does the work.
