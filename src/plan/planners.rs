@@ -73,7 +73,7 @@ impl Planners {
         let mut chosen: Vec<usize> = (0..SAMPLES).map(|k| last * k / (SAMPLES - 1)).collect();
         chosen.dedup();
         chosen.retain(|&i| i >= first);
-        for (style, planner) in self.all() {
+        for (style, planner) in self.all().filter(|(_, planner)| planner.calibrates()) {
             let samples =
                 workers.map(chosen.len(), |k| planner.sparse_sample(&part(layer(chosen[k]), style)));
             planner.calibrate(&samples, height_mm);

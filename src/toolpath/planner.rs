@@ -232,18 +232,21 @@ impl Planner {
         sample
     }
 
+    /// Whether the distance of sparse lines follows from samples.
+    pub fn calibrates(&self) -> bool {
+        let density = self.settings.infill.density.0;
+        density > 0.0 && density <= infill::SOLID_DENSITY && self.pattern.is_uniform()
+    }
+
     /// Sets the distance of sparse lines so that the sample layers have the requested density; the beads' width makes
     /// up the remainder on each island. The first layer is no sample: its lines may be wider.
     pub fn calibrate(&mut self, samples: &[SparseSample], height_mm: f64) {
         let settings = &self.settings.infill;
-        let density = settings.density.0;
-        if density <= 0.0 || density > infill::SOLID_DENSITY || !self.pattern.is_uniform() {
-            return;
-        }
         let spacing_mm = self.infill_spacing_mm(1, height_mm);
         let join = if settings.connect { LONGEST_JOIN } else { 0.0 };
         let pattern = &*self.pattern;
-        self.line_distance_mm = Some(infill::calibrate(pattern, samples, spacing_mm, density, join));
+        self.line_distance_mm =
+            Some(infill::calibrate(pattern, samples, spacing_mm, settings.density.0, join));
     }
 
     /// Whether sparse infill of several layers is combined.
