@@ -86,6 +86,7 @@ mod system {
 
     #[cfg(test)]
     mod tests {
+        use std::collections::BTreeSet;
         use std::sync::Barrier;
         use std::thread;
 
@@ -108,7 +109,7 @@ mod system {
                     apart.wait();
                     allowed()
                 };
-                let mut runs_on: Vec<Vec<usize>> = thread::scope(|scope| {
+                let runs_on: Vec<Vec<usize>> = thread::scope(|scope| {
                     let workers: Vec<_> = (0..count).map(|_| scope.spawn(work)).collect();
                     begun.wait();
                     assert_eq!(cpus.begun(), count);
@@ -116,11 +117,13 @@ mod system {
                     apart.wait();
                     workers.into_iter().map(|worker| worker.join().unwrap()).collect()
                 });
-                // What no worker has may be used by all.
-                runs_on.retain(|cpus| cpus.len() < all || all == 1);
-                let owned = |cpus: &Vec<usize>| cpus.len() == all + 1 - count.min(all);
-                assert!(runs_on.iter().all(owned), "{count} workers: {runs_on:?}");
-                assert_eq!(runs_on.len(), if count == 1 && all > 1 { 0 } else { count.min(all) });
+                // Its own, and what is nobody's; those that have none of their own may use all.
+                let owners = count.min(all);
+                let mut sizes: Vec<usize> = runs_on.iter().map(Vec::len).collect();
+                sizes.sort_unstable();
+                assert_eq!(sizes, [vec![all + 1 - owners; owners], vec![all; count - owners]].concat());
+                let used: BTreeSet<usize> = runs_on.concat().into_iter().collect();
+                assert_eq!(used.len(), all, "{runs_on:?}");
             }
         }
     }
