@@ -241,6 +241,9 @@ impl Planner {
     /// Sets the distance of sparse lines so that the sample layers have the requested density; the beads' width makes
     /// up the remainder on each island. The first layer is no sample: its lines may be wider.
     pub fn calibrate(&mut self, samples: &[SparseSample], height_mm: f64) {
+        if !self.calibrates() {
+            return;
+        }
         let settings = &self.settings.infill;
         let spacing_mm = self.infill_spacing_mm(1, height_mm);
         let join = if settings.connect { LONGEST_JOIN } else { 0.0 };
