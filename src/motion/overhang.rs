@@ -12,6 +12,9 @@ const SHORTEST_MM: f64 = 1.0;
 /// Edges longer than this are looked at in parts, so that what is near them stays little.
 const PART_MM: f64 = 2.0;
 
+/// Edges are looked at together as long as their box is no larger than this.
+const TOGETHER_MM: f64 = 3.0;
+
 /// Distances that differ by less may be the same, in millimetres.
 const NOISE_MM: f64 = 1e-9;
 
@@ -66,21 +69,62 @@ impl Support {
     /// Cuts a bead of this width where its grade changes; empty if all of it is supported. Short stretches take the
     /// grade of what hangs further beside them. O(vertices) for outlines of like detail.
     pub(super) fn stretches(&self, vertices: &[Vertex], width_mm: f64) -> Vec<Stretch> {
-        let mut walk = Walk { support: self, width_mm, inside: None, near: Vec::new(), out: Vec::new() };
-        for pair in vertices.windows(2) {
-            let parts = (distance_mm(pair[0].at, pair[1].at) / PART_MM).ceil().max(1.0);
-            let mut from = pair[0];
-            for part in 1..=parts as u32 {
-                let to = pair[0].towards(pair[1], f64::from(part) / parts);
-                walk.edge(from, to);
-                from = to;
-            }
+        let mut walk = Walk::new(self, width_mm);
+        let parts = in_parts(vertices);
+        let mut rest = parts.as_slice();
+        while rest.len() > 1 {
+            let (edges, bounds_mm) = together(rest);
+            walk.edges(&rest[..=edges], bounds_mm);
+            rest = &rest[edges..];
         }
         if walk.out.iter().all(|(grade, _)| *grade == Grade::Held) {
             return Vec::new();
         }
         smoothed(walk.out)
     }
+
+    /// The outline's edges that may be nearer to what is in a box than a reach; they replace the contents of `found`.
+    fn near(&self, bounds_mm: [[f64; 2]; 2], reach_mm: f64, found: &mut Vec<[[f64; 2]; 2]>) {
+        let [a, b] = bounds_mm.map(|[x, y]| Point::from_mm(x, y));
+        let bounds = Bounds::spanned(a, b).grown(geometry::to_units(reach_mm) + 1);
+        found.clear();
+        self.outline.edges_touching(bounds).for_each(|edge| found.push([edge.a.mm(), edge.b.mm()]));
+    }
+}
+
+/// The vertices, with more on edges that are longer than [`PART_MM`].
+fn in_parts(vertices: &[Vertex]) -> Vec<Vertex> {
+    let mut all = Vec::with_capacity(vertices.len());
+    all.extend(vertices.first());
+    for pair in vertices.windows(2) {
+        let length_mm = distance_mm(pair[0].at, pair[1].at);
+        if length_mm > PART_MM {
+            let parts = (length_mm / PART_MM).ceil();
+            all.extend((1..parts as u32).map(|part| pair[0].towards(pair[1], f64::from(part) / parts)));
+        }
+        all.push(pair[1]);
+    }
+    all
+}
+
+/// How many of the edges that begin here are looked at together, one at least, and their box: no larger than [`TOGETHER_MM`].
+fn together(vertices: &[Vertex]) -> (usize, [[f64; 2]; 2]) {
+    let mut bounds_mm = joined([vertices[0].at; 2], vertices[1].at);
+    let mut edges = 1;
+    for vertex in &vertices[2..] {
+        let [min, max] = joined(bounds_mm, vertex.at);
+        if (max[0] - min[0]).max(max[1] - min[1]) > TOGETHER_MM {
+            break;
+        }
+        bounds_mm = [min, max];
+        edges += 1;
+    }
+    (edges, bounds_mm)
+}
+
+/// The box around a box and a point.
+fn joined([min, max]: [[f64; 2]; 2], [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+    [[min[0].min(x), min[1].min(y)], [max[0].max(x), max[1].max(y)]]
 }
 
 /// Short stretches take the higher grade of their neighbours, and neighbours of one grade are joined.
@@ -108,24 +152,43 @@ struct Walk<'a> {
     width_mm: f64,
     /// Whether the present vertex is over the support, if that is known.
     inside: Option<bool>,
-    /// Ends of the outline's edges that are near.
-    near: Vec<[[f64; 2]; 2]>,
+    /// The outline's edges that are near to the edges looked at together, for beads that are held there.
+    beside: Vec<[[f64; 2]; 2]>,
+    /// Those near to one of them, for beads that may lie in the air.
+    around: Vec<[[f64; 2]; 2]>,
     out: Vec<Stretch>,
 }
 
-impl Walk<'_> {
+impl<'a> Walk<'a> {
+    fn new(support: &'a Support, width_mm: f64) -> Self {
+        Self { support, width_mm, inside: None, beside: Vec::new(), around: Vec::new(), out: Vec::new() }
+    }
+
+    /// Goes along edges that are looked at together, whose box is known.
+    fn edges(&mut self, vertices: &[Vertex], bounds_mm: [[f64; 2]; 2]) {
+        self.support.near(bounds_mm, HELD * self.width_mm, &mut self.beside);
+        for pair in vertices.windows(2) {
+            self.edge(pair[0], pair[1]);
+        }
+    }
+
     fn edge(&mut self, from: Vertex, to: Vertex) {
-        let mut away = self.look_around([from, to], HELD);
+        let edge = [from.at, to.at];
+        let (mut near, mut reach_mm) = (&self.beside, HELD * self.width_mm);
+        let mut away = nearest_mm(edge, near, reach_mm) / self.width_mm;
         let inside = match self.inside {
             Some(inside) if away > 0.0 => inside,
             _ => self.support.outline.contains(Point::from_mm(from.at[0], from.at[1])),
         };
         if !(inside && away > 0.0) {
-            away = self.look_around([from, to], AIR);
+            reach_mm = AIR * self.width_mm;
+            self.support.near(joined([from.at; 2], to.at), reach_mm, &mut self.around);
+            near = &self.around;
+            away = nearest_mm(edge, near, reach_mm) / self.width_mm;
         }
         self.inside = (away > 0.0).then_some(inside);
         if away >= AIR || (inside && away >= HELD) {
-            return self.push(Grade::of(if inside { -away } else { away }), from, to);
+            return push(&mut self.out, Grade::of(if inside { -away } else { away }), from, to);
         }
         let steps = (distance_mm(from.at, to.at) / STEP_MM).ceil().max(1.0);
         let mut start = from;
@@ -136,40 +199,31 @@ impl Walk<'_> {
                 Some(inside) => inside,
                 None => self.support.outline.contains(Point::from_mm(middle[0], middle[1])),
             };
-            let away = self.away([middle, middle]) / self.width_mm;
-            self.push(Grade::of(if inside { -away } else { away }), start, end);
+            let away = nearest_mm([middle, middle], near, reach_mm) / self.width_mm;
+            push(&mut self.out, Grade::of(if inside { -away } else { away }), start, end);
             start = end;
         }
     }
+}
 
-    /// Distance of an edge from those of the outline, in widths; any that is no less where none is nearer than a reach.
-    fn look_around(&mut self, edge: [Vertex; 2], reach: f64) -> f64 {
-        let [a, b] = edge.map(|v| Point::from_mm(v.at[0], v.at[1]));
-        let bounds = Bounds::spanned(a, b).grown(geometry::to_units(reach * self.width_mm) + 1);
-        self.near.clear();
-        let edges = self.support.outline.edges_touching(bounds);
-        edges.for_each(|edge| self.near.push([edge.a.mm(), edge.b.mm()]));
-        self.away(edge.map(|v| v.at)) / self.width_mm
+fn push(out: &mut Vec<Stretch>, grade: Grade, from: Vertex, to: Vertex) {
+    match out.last_mut() {
+        Some((last, vertices)) if *last == grade => vertices.push(to),
+        _ => out.push((grade, vec![from, to])),
     }
+}
 
-    /// Distance of a segment from the edges near it; 0 where they meet.
-    fn away(&self, segment: [[f64; 2]; 2]) -> f64 {
-        let mut nearest = f64::INFINITY;
-        for &edge in &self.near {
-            // Most are farther off than another is, which their boxes show.
-            if boxes_mm(segment, edge) <= nearest + NOISE_MM {
-                nearest = segments_mm(segment, edge).min(nearest);
-            }
-        }
-        nearest
-    }
-
-    fn push(&mut self, grade: Grade, from: Vertex, to: Vertex) {
-        match self.out.last_mut() {
-            Some((last, vertices)) if *last == grade => vertices.push(to),
-            _ => self.out.push((grade, vec![from, to])),
+/// Distance of a segment from the nearest of some others, 0 where they meet; any that is no less where none is nearer than a reach.
+fn nearest_mm(segment: [[f64; 2]; 2], others: &[[[f64; 2]; 2]], reach_mm: f64) -> f64 {
+    let (mut nearest, mut least) = (f64::INFINITY, reach_mm);
+    for &other in others {
+        // Most are farther off than that or than another is, which their boxes show.
+        if boxes_mm(segment, other) <= least + NOISE_MM {
+            nearest = segments_mm(segment, other).min(nearest);
+            least = nearest.min(least);
         }
     }
+    nearest
 }
 
 /// How far apart the boxes of two segments are along an axis, at most; negative where they overlap.
@@ -200,6 +254,7 @@ fn segments_mm(s: [[f64; 2]; 2], e: [[f64; 2]; 2]) -> f64 {
 mod tests {
     use super::*;
     use geometry::Polygon;
+    use proptest::prelude::*;
 
     fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Region {
         let corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)];
@@ -239,5 +294,38 @@ mod tests {
         assert!((air[0].at[0] - 10.0).abs() < 0.6 && (air.last().unwrap().at[0] - 20.0).abs() < 0.6);
         let sum: f64 = stretches.iter().map(|s| super::length_mm(&s.1)).sum();
         assert!((sum - length_mm).abs() < 1e-9, "nothing is lost: {sum}");
+    }
+
+    /// A star around a point.
+    fn star(middle: f64, radii: &[f64]) -> Region {
+        let corner = |(i, radius): (usize, &f64)| {
+            let (sine, cosine) = (i as f64 / radii.len() as f64 * std::f64::consts::TAU).sin_cos();
+            Point::from_mm(middle + radius * cosine, middle + radius * sine)
+        };
+        Region::from(Polygon { outer: radii.iter().enumerate().map(corner).collect(), holes: Vec::new() })
+    }
+
+    proptest! {
+        #[test]
+        fn edges_looked_at_together_have_the_grades_that_each_has_alone(
+            radii in prop::collection::vec(2.0..12.0f64, 3..60),
+            corners in prop::collection::vec(((0.0..30.0f64), (0.0..30.0f64)), 1..5),
+            steps in prop::collection::vec((-0.6..0.6f64, -0.6..0.6f64), 2..60),
+        ) {
+            let support = Support::new(&star(15.0, &radii));
+            let mut points: Vec<[f64; 2]> = corners.iter().map(|&(x, y)| [x, y]).collect();
+            for (dx, dy) in steps {
+                let [x, y] = points[points.len() - 1];
+                points.push([x + dx, y + dy]);
+            }
+            let bead = line(&points);
+            let mut alone = Walk::new(&support, 0.45);
+            for edge in in_parts(&bead).windows(2) {
+                alone.edges(edge, joined([edge[0].at; 2], edge[1].at));
+            }
+            let all_held = alone.out.iter().all(|(grade, _)| *grade == Grade::Held);
+            let wanted = if all_held { Vec::new() } else { smoothed(alone.out) };
+            prop_assert_eq!(support.stretches(&bead, 0.45), wanted);
+        }
     }
 }
