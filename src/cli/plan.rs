@@ -13,6 +13,7 @@ use super::presets;
 use crate::job::{self, Job, JobModel, ModelFiles, ObjectSettings, Project};
 use crate::mesh::{Transform, UNITS};
 use crate::output::resolve_links;
+use crate::parallel;
 use crate::profile::{Origin, Override, Problem, ProfileError, Resolved, Settings};
 use crate::slice::heights_from_lines;
 
@@ -243,7 +244,15 @@ pub(super) fn plate(
             }
         }
     }
-    let settings = known.map_or_else(|| sources.resolve(&[]).map(Arc::new), Ok)?;
+    let settings = match known {
+        Some(settings) => settings,
+        None => {
+            let resolve = || sources.resolve(&[]);
+            let read = || models.iter_mut().for_each(JobModel::read_if_small);
+            let (settings, ()) = parallel::join(resolve, read);
+            Arc::new(settings?)
+        }
+    };
     let job = Job { models, translate_mm, scale_to_fit: args.scale_to_fit, ..Job::default() };
     Ok(Plate { inputs, job, settings, project: None })
 }

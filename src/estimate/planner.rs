@@ -81,7 +81,7 @@ impl Planner {
     pub fn new(machine: &Machine) -> Self {
         Self {
             machine: *machine,
-            blocks: Vec::new(),
+            blocks: Vec::with_capacity(PATIENCE),
             last: None,
             hill_v2: f64::INFINITY,
             hills: Vec::new(),

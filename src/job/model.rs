@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
@@ -49,6 +50,14 @@ impl JobModel {
     pub fn path(&self) -> &Path {
         self.source.path()
     }
+
+    /// Reads the file now if it is small.
+    #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "who has no files has read them"))]
+    pub(crate) fn read_if_small(&mut self) {
+        if let Some(file) = self.source.small() {
+            self.source = Arc::new(file).into();
+        }
+    }
 }
 
 impl<T: Into<ModelSource>> From<T> for JobModel {
@@ -56,6 +65,9 @@ impl<T: Into<ModelSource>> From<T> for JobModel {
         Self::new(source)
     }
 }
+
+/// Files up to this size are read while something else is done.
+const SMALL_BYTES: u64 = 1 << 20;
 
 /// Where a model is read from.
 #[derive(Clone, Debug)]
@@ -81,6 +93,14 @@ impl ModelSource {
             Self::Bytes { name, .. } => Path::new(name),
             Self::Read(file) => Path::new(&file.name),
         }
+    }
+
+    /// A small file, read and repaired. One that cannot be read is left to whoever reads it later, and is told why.
+    fn small(&self) -> Option<ModelFile> {
+        let Self::Path(path) = self else { return None };
+        let file = fs::metadata(path).ok().filter(|file| file.is_file() && file.len() <= SMALL_BYTES);
+        let bytes = file.and_then(|_| fs::read(path).ok())?;
+        ModelFile::read(path.to_str()?, bytes, &Observer::none()).ok()
     }
 
     /// The objects of the file, repaired.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use rustc_hash::FxHashSet;
 use toml::{Table, Value};
 
 use super::conflicts;
@@ -98,7 +99,10 @@ pub(crate) fn resolve_layers<'a>(
 ) -> Result<Resolved, ProfileError> {
     let default = [Layer::Embedded(embedded::DEFAULT)];
     let (default, own) = parallel::join(|| read_layers(default), || read_layers(layers));
-    let assignments = default.assignments.into_iter().chain(own.assignments);
+    // What has another value in the end need not be looked at.
+    let others: FxHashSet<String> = own.assignments.iter().map(|assignment| assignment.key.clone()).collect();
+    let kept = default.assignments.into_iter().filter(|assignment| !others.contains(&assignment.key));
+    let assignments = kept.chain(own.assignments);
     let mut problems = [default.problems, own.problems].concat();
     let Assigned { settings, origins, warnings } =
         assigned(Settings::of_stages(), assignments, &mut problems);
