@@ -55,6 +55,12 @@ pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
     if in_pool() { rayon::join(a, b) } else { (a(), b()) }
 }
 
+/// Does something at some time, while others go on where there are several threads.
+#[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "who has no files has nothing to do aside"))]
+pub(crate) fn aside(work: impl FnOnce() + Send + 'static) {
+    if threads() > 1 { rayon::spawn(work) } else { work() }
+}
+
 /// Threads at work.
 pub(crate) fn threads() -> usize {
     if in_pool() { rayon::current_num_threads() } else { 1 }

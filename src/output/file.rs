@@ -1,14 +1,19 @@
 //! Files, written beside their place and renamed, and streams.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use tempfile::NamedTempFile;
 
-/// Size of buffers for files.
+use crate::parallel;
+
+/// So much is held in memory, where it can be patched, before it is written.
+const HELD_BYTES: usize = 1 << 20;
+
+/// Size of a buffer for reading.
 const BUFFER_BYTES: usize = 1 << 18;
 
 /// What names of temporary files begin and end with.
@@ -70,7 +75,7 @@ pub(super) fn open(path: &Path) -> io::Result<Opened> {
     let pending = Pending::create(&folder, target)?;
     if let Some(existing) = existing {
         // Memory cards and network drives may know no modes; that is no reason not to write.
-        let _ = pending.file.get_ref().as_file().set_permissions(existing.permissions());
+        let _ = pending.file.as_file().set_permissions(existing.permissions());
     }
     Ok(Opened::File(pending))
 }
@@ -92,7 +97,11 @@ fn sweep(folder: &Path) {
 /// A temporary file, and what it will be renamed to. Removed when dropped, and by [`abandon_and_exit`].
 #[derive(Debug)]
 pub(super) struct Pending {
-    file: BufWriter<NamedTempFile>,
+    file: NamedTempFile,
+    /// How much of the file is written.
+    written: u64,
+    /// What comes after that.
+    held: Vec<u8>,
     target: PathBuf,
 }
 
@@ -102,7 +111,8 @@ impl Pending {
         let mut pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
         // Those that were given up have removed themselves.
         pending.retain(|path| path.exists());
-        sweep(folder);
+        let swept = folder.to_owned();
+        parallel::aside(move || sweep(&swept));
         let mut builder = tempfile::Builder::new();
         builder.prefix(PREFIX).suffix(SUFFIX);
         // A temporary file is private unless told otherwise; the process's umask still applies to this.
@@ -110,29 +120,47 @@ impl Pending {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let file = builder.tempfile_in(folder)?;
         pending.push(file.path().to_owned());
-        Ok(Self { file: BufWriter::with_capacity(BUFFER_BYTES, file), target })
+        Ok(Self { file, written: 0, held: Vec::with_capacity(HELD_BYTES), target })
     }
 
     pub fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.file.write_all(bytes)
+        if self.held.len() + bytes.len() > HELD_BYTES {
+            self.write_held()?;
+        }
+        self.held.extend_from_slice(bytes);
+        Ok(())
     }
 
+    fn write_held(&mut self) -> io::Result<()> {
+        self.file.write_all(&self.held)?;
+        self.written += self.held.len() as u64;
+        self.held.clear();
+        Ok(())
+    }
+
+    /// Replaces bytes that were appended before.
     pub fn patch(&mut self, offset: u64, bytes: &[u8]) -> io::Result<()> {
-        self.file.flush()?;
-        write_at(self.file.get_ref().as_file(), offset, bytes)
+        if let Some(from) = offset.checked_sub(self.written) {
+            self.held[from as usize..][..bytes.len()].copy_from_slice(bytes);
+            return Ok(());
+        }
+        if offset + bytes.len() as u64 > self.written {
+            self.write_held()?;
+        }
+        write_at(self.file.as_file(), offset, bytes)
     }
 
     /// What has been written, from an offset on.
     pub fn reread(&mut self, offset: u64) -> io::Result<Box<dyn BufRead + Send>> {
-        self.file.flush()?;
-        let mut opened = File::open(self.file.get_ref().path())?;
+        self.write_held()?;
+        let mut opened = File::open(self.file.path())?;
         opened.seek(SeekFrom::Start(offset))?;
         Ok(Box::new(BufReader::with_capacity(BUFFER_BYTES, opened)))
     }
 
     /// Where the file is until it is renamed.
     pub fn folder(&self) -> PathBuf {
-        self.file.get_ref().path().parent().unwrap_or(Path::new(".")).to_owned()
+        self.file.path().parent().unwrap_or(Path::new(".")).to_owned()
     }
 
     /// Chooses another name in the same folder. Returns the path.
@@ -141,8 +169,9 @@ impl Pending {
         &self.target
     }
 
-    pub fn rename(self) -> io::Result<()> {
-        let file = self.file.into_inner().map_err(io::IntoInnerError::into_error)?;
+    pub fn rename(mut self) -> io::Result<()> {
+        self.write_held()?;
+        let file = self.file;
         let mut pending = PENDING.lock().unwrap_or_else(PoisonError::into_inner);
         let temporary = file.path().to_owned();
         let renamed = file.persist(&self.target).map(drop).map_err(|error| error.error);
@@ -174,4 +203,28 @@ pub fn abandon_and_exit(code: i32) -> ! {
         let _ = fs::remove_file(path);
     }
     std::process::exit(code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patches_reach_what_is_written_what_is_held_and_what_is_both() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("file");
+        let mut pending = Pending::create(folder.path(), target.clone()).unwrap();
+        let mut wanted = Vec::new();
+        for part in (0..5).map(|byte| vec![byte; 300_000]) {
+            pending.append(&part).unwrap();
+            wanted.extend(part);
+        }
+        assert_eq!((pending.written, pending.held.len()), (900_000, 600_000));
+        for offset in [1_499_990, 0, 450_000, 900_000, 899_995, 1_200_000] {
+            pending.patch(offset, &[9; 10]).unwrap();
+            wanted[offset as usize..][..10].fill(9);
+        }
+        pending.rename().unwrap();
+        assert!(fs::read(&target).unwrap() == wanted);
+    }
 }
