@@ -133,7 +133,7 @@ mod system {
 mod system {
     /// The workers of one pool: the system's affair.
     #[derive(Default)]
-    pub struct Cpus;
+    pub struct Cpus {}
 
     impl Cpus {
         /// Nothing: workers begin where the system lets them.
