@@ -98,6 +98,9 @@ pub fn find(
         let whole = geometry::offset(&Region::from(polygon), lean_mm + ROUGH_MM);
         let mut cells = Bitmap::of(grid, &whole);
         cells.keep(&air);
+        if cells.is_empty() {
+            continue;
+        }
         cells.remove(&bridge::spanned(&whole, below.solid(), settings.max_bridge.0));
         leaning.add(&cells);
     }
