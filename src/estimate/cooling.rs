@@ -21,10 +21,13 @@ const SLACK: f64 = 0.01;
 pub fn cool(layer: &mut LayerMoves, settings: &CoolingSettings, machine: &Machine) -> LayerTime {
     let wanted = settings.min_layer_time;
     let mut time = layer_time(layer, machine);
+    if wanted.0 <= 0.0 || time.total() >= wanted {
+        return time;
+    }
     let outer = outermost(&layer.moves);
     for chosen in [false, true] {
         let moves: Vec<usize> = (0..outer.len()).filter(|&i| outer[i] == Some(chosen)).collect();
-        if wanted.0 <= 0.0 || time.total() >= wanted || moves.is_empty() {
+        if time.total() >= wanted || moves.is_empty() {
             continue;
         }
         let spared = time.role(Role::ExternalPerimeter) + time.role(Role::OverhangPerimeter);

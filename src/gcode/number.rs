@@ -24,6 +24,9 @@ const DIGITS: usize = 9;
 /// Room before the digits, for a space, a letter and a sign.
 const HEAD: usize = 3;
 
+/// The longest text: what is before the digits, the digits and a point.
+const LONGEST: usize = HEAD + DIGITS + 1;
+
 /// Appends `ticks / 10^decimals`: no trailing zeros, no zero before the point (`.05`, as firmwares read it).
 pub(super) fn push_fixed(out: &mut Vec<u8>, ticks: i64, decimals: u32) {
     push(out, [], ticks, decimals, false);
@@ -48,7 +51,7 @@ fn push<const N: usize>(out: &mut Vec<u8>, before: [u8; N], ticks: i64, decimals
     }
     let size = size as u32;
     let triples = [size / 1_000_000, size / 1000 % 1000, size % 1000].map(|triple| TRIPLES[triple as usize]);
-    let mut text = [0; HEAD + 2 * DIGITS];
+    let mut text = [0; 2 * LONGEST];
     for (k, triple) in triples.iter().enumerate() {
         // The fourth byte is written over, or is none of the number.
         text[HEAD + 3 * k..][..4].copy_from_slice(triple);
@@ -72,7 +75,11 @@ fn push<const N: usize>(out: &mut Vec<u8>, before: [u8; N], ticks: i64, decimals
     }
     start -= N;
     text[start..][..N].copy_from_slice(&before);
-    out.extend_from_slice(&text[start..end]);
+    // So many bytes are copied without a call.
+    let (length, mut longest) = (out.len() + end - start, [0; LONGEST]);
+    longest.copy_from_slice(&text[start..][..LONGEST]);
+    out.extend_from_slice(&longest);
+    out.truncate(length);
 }
 
 /// Appends any number.

@@ -8,7 +8,7 @@ use crate::slice::{self, Layer, LayerSpan};
 use crate::toolpath::Path;
 use crate::toolpath::support::{self, Bitmap, ColumnSpec, Grid, Ground, Outlines, Overhang, Slab};
 use crate::toolpath::{SupportSettings, SupportStyle};
-use geometry::{Bounds, Polygon, Region, offset, union_all};
+use geometry::{Bounds, Region, offset, union_all};
 
 use super::wishes::Wishes;
 use crate::parallel::Workers;
@@ -204,25 +204,14 @@ pub(crate) fn overhangs(
         let mut new = cells.clone();
         if let Some(below) = i.checked_sub(1).map(|below| &held[below]) {
             new.remove(below);
-            overhangs.count += begun(cells, &below.grown(1));
+            overhangs.count += cells.parts_apart(&below.grown(1));
         } else {
-            overhangs.count += begun(cells, &Bitmap::empty(cells.grid()));
+            overhangs.count += cells.parts_apart(&Bitmap::empty(cells.grid()));
         }
         overhangs.area_mm2 += new.area_mm2();
         overhangs.lowest_mm.get_or_insert(layers[i].span.bottom_mm);
     }
     overhangs
-}
-
-/// How many connected parts of cells do not meet others.
-fn begun(cells: &Bitmap, others: &Bitmap) -> usize {
-    let outlines = support::trace(cells);
-    let apart = |polygon: &&Polygon| {
-        let mut own = Bitmap::touching(cells.grid(), &Region::from((*polygon).clone()));
-        own.keep(others);
-        own.is_empty()
-    };
-    outlines.polygons().iter().filter(apart).count()
 }
 
 /// All sections of a layer as one region.

@@ -141,7 +141,7 @@ impl Anchors<'_> {
         let (low_mm, high_mm) = Direction::of(angle_rad).extent_mm(air.rings().flatten());
         let spacing_mm = ((high_mm - low_mm) / LINES).max(self.width_mm / 2.0);
         let lines = geometry::scan_lines(air, angle_rad, spacing_mm, (low_mm + high_mm) / 2.0);
-        let spans = || lines.iter().flat_map(|line| &line.segments).map(|[a, b]| [a.point, b.point]);
+        let spans = || lines.iter().map(|line| line.ends.map(|end| end.point));
         let (mut length_mm, mut squares_mm2, mut most_mm) = (0.0, 0.0, 0.0_f64);
         for [a, b] in spans() {
             let span_mm = a.distance_mm(b);

@@ -105,13 +105,12 @@ impl Reach<'_> {
     /// Chords of a patch without a sparse line beneath, by their index.
     fn loose(&self, patch: &Region, line_mm: f64) -> Vec<Chord> {
         let (step_mm, direction) = (STEP * line_mm, Direction::of(self.angle_rad));
-        let lines = geometry::scan_lines(patch, self.angle_rad, step_mm, 0.0);
-        let chords = lines.iter().flat_map(|line| line.segments.iter().map(|ends| (line.index, ends)));
-        let loose = chords.filter(|(_, [a, b])| !self.is_held([a.point, b.point]));
+        let chords = geometry::scan_lines(patch, self.angle_rad, step_mm, 0.0);
+        let loose = chords.iter().filter(|chord| !self.is_held(chord.ends.map(|end| end.point)));
         loose
-            .map(|(index, ends)| {
-                let [from_mm, to_mm] = ends.map(|end| direction.along_mm(end.point));
-                Chord { index, from_mm, to_mm, across_mm: index as f64 * step_mm }
+            .map(|chord| {
+                let [from_mm, to_mm] = chord.ends.map(|end| direction.along_mm(end.point));
+                Chord { index: chord.line, from_mm, to_mm, across_mm: chord.line as f64 * step_mm }
             })
             .collect()
     }

@@ -339,8 +339,7 @@ mod tests {
             let spacing_mm = 100.0;
             let hatched: f64 = scan_lines(&region, 0.0, spacing_mm, f64::from(y) / UNITS_PER_MM)
                 .iter()
-                .flat_map(|l| &l.segments)
-                .map(|[a, b]| a.point.distance_mm(b.point))
+                .map(|part| part.ends[0].point.distance_mm(part.ends[1].point))
                 .sum();
             // A level edge may belong to either side.
             let level: f64 = region.polygons[0].outer.windows(2)

@@ -17,13 +17,13 @@ pub struct HatchEnd {
     pub on: BoundaryPos,
 }
 
-/// The parts of one hatch line inside the region.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HatchLine {
-    /// The line is `index · spacing + phase` away from the origin, along the normal.
-    pub index: i64,
-    /// Disjoint parts, sorted along the hatch direction; each runs in that direction.
-    pub segments: Vec<[HatchEnd; 2]>,
+/// A part of a hatch line inside the region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HatchSegment {
+    /// The line is `line · spacing + phase` away from the origin, along the normal.
+    pub line: i64,
+    /// Its ends, in the hatch direction.
+    pub ends: [HatchEnd; 2],
 }
 
 #[derive(Clone, Copy, Default)]
@@ -36,13 +36,13 @@ struct Crossing {
 ///
 /// Lines run in the direction (cos, sin) of `angle_rad`; line `k` is at the signed distance
 /// `k · spacing_mm + phase_mm` from the origin, measured along the normal (−sin, cos). So lines of two
-/// regions, or of two layers, coincide. Lines without any part inside are left out; the others come in order
-/// of their index. What is inside is decided by the even-odd rule over all rings: every vertex is on one side
+/// regions, or of two layers, coincide. Their parts inside are disjoint; they come line by line, sorted along
+/// the direction. What is inside is decided by the even-odd rule over all rings: every vertex is on one side
 /// of a line for both of its edges, so each ring is crossed an even number of times, whatever the rounding.
 /// A part shorter than the grid's unit vanishes. Ends are within one unit of the exact crossing.
 ///
 /// A spacing that is below 1 µm or NaN gives no line. O(n + m log m) for n vertices and m crossings.
-pub fn scan_lines(region: &Region, angle_rad: f64, spacing_mm: f64, phase_mm: f64) -> Vec<HatchLine> {
+pub fn scan_lines(region: &Region, angle_rad: f64, spacing_mm: f64, phase_mm: f64) -> Vec<HatchSegment> {
     if !(spacing_mm >= MIN_SPACING_MM && angle_rad.is_finite() && phase_mm.is_finite()) {
         return Vec::new();
     }
@@ -101,17 +101,16 @@ pub fn scan_lines(region: &Region, angle_rad: f64, spacing_mm: f64, phase_mm: f6
         }
     }
 
-    let mut hatch = Vec::with_capacity(begins.len());
+    let mut hatch = Vec::with_capacity(crossings.len() / 2);
     let mut from = 0;
     // By now each line begins where the next one did.
-    for (index, &to) in (low..high).zip(&begins) {
+    for (line, &to) in (low..high).zip(&begins) {
         let crossings = &mut crossings[std::mem::replace(&mut from, to as usize)..to as usize];
-        crossings.sort_by(|a, b| a.along.total_cmp(&b.along));
-        let pairs = crossings.chunks_exact(2).map(|pair| [pair[0].end, pair[1].end]);
-        let segments: Vec<[HatchEnd; 2]> = pairs.filter(|[a, b]| a.point != b.point).collect();
-        if !segments.is_empty() {
-            hatch.push(HatchLine { index, segments });
+        if !crossings.is_sorted_by(|a, b| a.along.total_cmp(&b.along).is_le()) {
+            crossings.sort_by(|a, b| a.along.total_cmp(&b.along));
         }
+        let ends = crossings.chunks_exact(2).map(|pair| [pair[0].end, pair[1].end]);
+        hatch.extend(ends.filter(|[a, b]| a.point != b.point).map(|ends| HatchSegment { line, ends }));
     }
     hatch
 }
@@ -147,18 +146,17 @@ mod tests {
 
     #[test]
     fn holes_split_lines() {
-        let lines = scan_lines(&frame(), 0.0, 1.0, 0.5);
-        assert_eq!(lines.len(), 10);
-        assert!(lines.iter().all(|l| l.segments.len() == if matches!(l.index, 4 | 5) { 2 } else { 1 }));
-        let [left, right] = &lines[4].segments[..] else { panic!("two parts") };
-        assert_eq!([left[0].point, left[1].point], [Point::from_mm(0.0, 4.5), Point::from_mm(4.0, 4.5)]);
-        assert_eq!([right[0].point, right[1].point], [Point::from_mm(6.0, 4.5), Point::from_mm(10.0, 4.5)]);
+        let segments = scan_lines(&frame(), 0.0, 1.0, 0.5);
+        let lines: Vec<i64> = segments.iter().map(|segment| segment.line).collect();
+        assert_eq!(lines, [0, 1, 2, 3, 4, 4, 5, 5, 6, 7, 8, 9]);
+        let [left, right] = [4, 5].map(|k| segments[k].ends.map(|end| end.point));
+        assert_eq!(left, [Point::from_mm(0.0, 4.5), Point::from_mm(4.0, 4.5)]);
+        assert_eq!(right, [Point::from_mm(6.0, 4.5), Point::from_mm(10.0, 4.5)]);
     }
 
     #[test]
     fn ends_know_their_place_on_the_boundary() {
-        let lines = scan_lines(&frame(), 0.0, 1.0, 0.5);
-        let [left, right] = lines[4].segments[0];
+        let [left, right] = scan_lines(&frame(), 0.0, 1.0, 0.5)[4].ends;
         assert_eq!((left.on.ring, left.on.edge, left.on.along_mm), (0, 3, 5.5));
         assert_eq!((right.on.ring, right.on.edge, right.on.along_mm), (1, 0, 0.5));
     }
@@ -168,9 +166,9 @@ mod tests {
         let frame = frame();
         let moved = frame.translated(Point::from_mm(0.3, 0.4));
         for region in [frame, moved] {
-            for line in scan_lines(&region, FRAC_PI_2, 0.7, 0.1) {
-                for end in line.segments.iter().flatten() {
-                    let x_mm = -(line.index as f64 * 0.7 + 0.1);
+            for segment in scan_lines(&region, FRAC_PI_2, 0.7, 0.1) {
+                for end in segment.ends {
+                    let x_mm = -(segment.line as f64 * 0.7 + 0.1);
                     assert!((end.point.mm()[0] - x_mm).abs() < 1e-5);
                 }
             }
@@ -183,8 +181,7 @@ mod tests {
             let angle = PI * f64::from(step) / 16.0;
             let total: f64 = scan_lines(&frame(), angle, 0.05, 0.0)
                 .iter()
-                .flat_map(|l| &l.segments)
-                .map(|[a, b]| a.point.distance_mm(b.point))
+                .map(|HatchSegment { ends: [a, b], .. }| a.point.distance_mm(b.point))
                 .sum();
             assert!((total * 0.05 - 96.0).abs() < 0.6, "{angle}: {}", total * 0.05);
         }
@@ -193,8 +190,8 @@ mod tests {
     #[test]
     fn lines_through_vertices_and_along_edges_pair_up() {
         // Spacing 1 at phase 0 runs along four edges and through all eight vertices.
-        for line in scan_lines(&frame(), 0.0, 1.0, 0.0) {
-            let total: f64 = line.segments.iter().map(|[a, b]| a.point.distance_mm(b.point)).sum();
+        for line in scan_lines(&frame(), 0.0, 1.0, 0.0).chunk_by(|a, b| a.line == b.line) {
+            let total: f64 = line.iter().map(|part| part.ends[0].point.distance_mm(part.ends[1].point)).sum();
             assert!(total == 10.0 || total == 8.0, "{total}");
         }
     }

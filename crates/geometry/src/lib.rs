@@ -42,7 +42,7 @@ pub use cone::Cone;
 pub use direction::Direction;
 pub use disjoint_sets::DisjointSets;
 pub use grid::{Edge, EdgeGrid};
-pub use hatch::{HatchEnd, HatchLine, scan_lines};
+pub use hatch::{HatchEnd, HatchSegment, scan_lines};
 pub use known::{Known, Shape};
 pub use medial::{KnownAxes, MedialPath, medial_axis, medial_axis_in};
 pub use offset::{Core, close_between, closing, core, narrower, offset, offset_with, opening, remainder};

@@ -8,7 +8,7 @@
 //! T. Tricard, F. Claux, S. Lefebvre, "Ribbed support vaults for 3D printing of hollowed objects", Computer Graphics Forum
 //! 39 (2020), DOI 10.1111/cgf.13750.
 
-use geometry::{Clipper, Point, Region, Ring};
+use geometry::{Clipper, HatchSegment, Point, Region, Ring};
 
 use super::super::bead::Line;
 use super::connect::connect;
@@ -90,10 +90,10 @@ impl FillPattern for Lightning {
 /// Points all over a region.
 fn samples(region: &Region, reach_mm: f64) -> Vec<Point> {
     let step_mm = (SAMPLE * reach_mm).max(FINEST_SAMPLE_MM);
-    let lines = geometry::scan_lines(region, 0.0, step_mm, 0.0);
-    let segments = lines.iter().flat_map(|line| &line.segments);
+    let segments = geometry::scan_lines(region, 0.0, step_mm, 0.0);
     segments
-        .flat_map(|[a, b]| {
+        .iter()
+        .flat_map(|HatchSegment { ends: [a, b], .. }| {
             let (from, to) = (a.point.mm()[0], b.point.mm()[0]);
             let columns = (from / step_mm).ceil() as i64..=(to / step_mm).floor() as i64;
             columns.map(|column| Point::new(geometry::to_units(column as f64 * step_mm), a.point.y))

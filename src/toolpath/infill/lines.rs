@@ -1,6 +1,6 @@
 //! Sets of parallel lines, with their ends joined along the boundary: what straight patterns consist of.
 
-use geometry::Region;
+use geometry::{HatchSegment, Region};
 
 use super::super::bead::Line;
 use super::connect::connect;
@@ -33,13 +33,11 @@ pub fn parallel(
 pub fn lay(region: &Region, sets: &[LineSet], joins: &Joins) -> Vec<Line> {
     let count = sets.len();
     let chords = sets.iter().enumerate().flat_map(|(k, set)| {
-        let lines = geometry::scan_lines(region, set.angle_rad, set.distance_mm, set.phase_mm);
-        lines.into_iter().flat_map(move |line| {
-            line.segments.into_iter().map(move |[a, b]| Chord {
-                points: vec![a.point, b.point],
-                ends: [Some(a.on), Some(b.on)],
-                line: count as i64 * line.index + k as i64,
-            })
+        let segments = geometry::scan_lines(region, set.angle_rad, set.distance_mm, set.phase_mm);
+        segments.into_iter().map(move |HatchSegment { line, ends: [a, b] }| Chord {
+            points: vec![a.point, b.point],
+            ends: [Some(a.on), Some(b.on)],
+            line: count as i64 * line + k as i64,
         })
     });
     connect(region, chords.collect(), joins)

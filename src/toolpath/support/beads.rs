@@ -7,7 +7,7 @@ use super::trace::trace;
 use crate::toolpath::infill::{Joins, lines};
 use crate::toolpath::options::{SupportPattern, SupportSettings, SupportStyle};
 use crate::toolpath::{Path, Phase, Role, Width, bead};
-use geometry::{Direction, HatchLine, Point, Polygon, Region};
+use geometry::{Direction, HatchSegment, Point, Polygon, Region};
 
 /// Lines of support shorter than this hold nothing.
 pub(super) const SHORTEST_MM: f64 = 0.5;
@@ -142,21 +142,24 @@ fn wide_parts(region: &Region) -> Region {
 /// Lines with both ends moved outwards to a multiple of `apart_mm`, where the body's tracks are, or to the end of the
 /// area's line that they are part of. Lines that meet become one. Returns them with the index of their track.
 fn extended(
-    lines: &[HatchLine],
-    area: &[HatchLine],
+    lines: &[HatchSegment],
+    area: &[HatchSegment],
     angle_rad: f64,
     apart_mm: f64,
 ) -> Vec<(i64, [Point; 2])> {
     let direction = Direction::of(angle_rad);
     let along = |p: Point| direction.along_mm(p);
     let mut result = Vec::new();
-    for line in lines {
-        let Ok(same) = area.binary_search_by_key(&line.index, |l| l.index) else { continue };
-        for [start, end] in &area[same].segments {
+    for parts in lines.chunk_by(|a, b| a.line == b.line) {
+        let line = parts[0].line;
+        let first = area.partition_point(|part| part.line < line);
+        for HatchSegment { ends: [start, end], .. } in
+            area[first..].iter().take_while(|part| part.line == line)
+        {
             let (low, high) = (along(start.point), along(end.point));
             let at = |t: f64| direction.from(start.point, t - low, 0.0);
             let mut open: Option<[f64; 2]> = None;
-            for [a, b] in &line.segments {
+            for HatchSegment { ends: [a, b], .. } in parts {
                 let (a, b) = (along(a.point), along(b.point));
                 if b <= low || a >= high {
                     continue;
@@ -168,10 +171,10 @@ fn extended(
                 let to = to_track(b, f64::ceil, high).min(high);
                 match &mut open {
                     Some(open) if from <= open[1] => open[1] = open[1].max(to),
-                    _ => result.extend(open.replace([from, to]).map(|[f, t]| (line.index, [at(f), at(t)]))),
+                    _ => result.extend(open.replace([from, to]).map(|[f, t]| (line, [at(f), at(t)]))),
                 }
             }
-            result.extend(open.map(|[f, t]| (line.index, [at(f), at(t)])));
+            result.extend(open.map(|[f, t]| (line, [at(f), at(t)])));
         }
     }
     result

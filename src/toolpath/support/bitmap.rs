@@ -3,7 +3,9 @@
 //! Supports need no better resolution than a bead's width, but unions, differences and offsets of many layers, one
 //! after the other. On bits each of them is a pass over a few thousand words.
 
-use geometry::{Bounds, Point, Region};
+use std::ops::Range;
+
+use geometry::{Bounds, DisjointSets, HatchEnd, HatchSegment, Point, Region};
 
 /// Grids have at most so many cells along a side, unless asked for: a layer then has at most 128 kB.
 const MOST_CELLS: f64 = 1024.0;
@@ -165,16 +167,14 @@ impl Bitmap {
         let mut map = Self::empty(grid);
         let cell_mm = grid.cell_mm();
         let phase_mm = geometry::to_mm(grid.origin.y) + cell_mm / 2.0;
-        for line in geometry::scan_lines(region, 0.0, cell_mm, phase_mm) {
-            let Some(row) = usize::try_from(line.index).ok().filter(|&row| row < grid.rows) else { continue };
-            for [a, b] in line.segments {
-                // Middles at or right of a, left of b.
-                let column = |x: i32| {
-                    let half_cells = 2 * (i64::from(x) - i64::from(grid.origin.x)) + i64::from(grid.cell);
-                    (half_cells - 1).div_euclid(2 * i64::from(grid.cell)).clamp(0, grid.columns as i64)
-                        as usize
-                };
-                map.set_run(row, column(a.point.x), column(b.point.x));
+        // Middles at or right of its start, left of its end.
+        let column = |end: HatchEnd| {
+            let half_cells = 2 * (i64::from(end.point.x) - i64::from(grid.origin.x)) + i64::from(grid.cell);
+            (half_cells - 1).div_euclid(2 * i64::from(grid.cell)).clamp(0, grid.columns as i64) as usize
+        };
+        for HatchSegment { line, ends: [a, b] } in geometry::scan_lines(region, 0.0, cell_mm, phase_mm) {
+            if let Some(row) = usize::try_from(line).ok().filter(|&row| row < grid.rows) {
+                map.set_run(row, column(a), column(b));
             }
         }
         map
@@ -301,6 +301,65 @@ impl Bitmap {
             std::iter::successors((word != 0).then_some(word), |w| Some(w & (w - 1)).filter(|&w| w != 0))
                 .map(move |w| [first + w.trailing_zeros() as usize, y])
         })
+    }
+
+    /// The runs of cells side by side in a row.
+    fn runs(&self, row: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+        let words = self.words.chunks(self.grid.stride().max(1)).nth(row).unwrap_or_default();
+        // The first column from one on whose bit, after these are inverted, is 1.
+        let next = |from: usize, inverted: u64| {
+            let bits = |word: usize| words.get(word).map(|bits| bits ^ inverted);
+            let mut found = bits(from / WORD).map(|bits| bits & u64::MAX << (from % WORD));
+            let mut word = from / WORD;
+            while found == Some(0) {
+                word += 1;
+                found = bits(word);
+            }
+            word * WORD + found.map_or(0, u64::trailing_zeros) as usize
+        };
+        let end = words.len() * WORD;
+        let mut at = 0;
+        std::iter::from_fn(move || {
+            let from = next(at, 0);
+            at = next(from, u64::MAX);
+            (from < end).then_some(from..at)
+        })
+    }
+
+    /// How many of its parts have no cell in another set of the same grid. A part hangs together over sides of cells.
+    pub(crate) fn parts_apart(&self, others: &Self) -> usize {
+        let mut parts = DisjointSets::default();
+        let (mut runs, mut meet): (Vec<Range<usize>>, Vec<bool>) = (Vec::new(), Vec::new());
+        let mut below = 0;
+        for row in 0..self.grid.rows {
+            let first = runs.len();
+            for run in self.runs(row) {
+                let own = runs.len() as u32;
+                parts.push();
+                // Those that end before it began touch no later one either.
+                below += runs[below..first].iter().take_while(|under| under.end <= run.start).count();
+                for (under, part) in runs[below..first].iter().zip(below as u32..) {
+                    if under.start >= run.end {
+                        break;
+                    }
+                    parts.join(part, own);
+                }
+                meet.push(
+                    self.grid.run(row, run.start, run.end).any(|(word, bits)| others.meets(word, bits)),
+                );
+                runs.push(run);
+            }
+            below = first;
+        }
+        let (of, count) = parts.number();
+        let mut apart = vec![true; count];
+        of.iter().zip(meet).for_each(|(&part, meets)| apart[part as usize] &= !meets);
+        apart.iter().filter(|apart| **apart).count()
+    }
+
+    /// Whether any of some bits of a word is set.
+    fn meets(&self, word: usize, bits: u64) -> bool {
+        self.words.get(word).is_some_and(|word| word & bits != 0)
     }
 
     /// Adds the cells of another set of the same grid.
@@ -451,6 +510,33 @@ mod tests {
         assert!(map.cells().all(|cell| map.has(cell)));
         assert!(Bitmap::of(grid(), &square(5.3, 5.3, 0.1)).is_empty());
         assert_eq!(Bitmap::touching(grid(), &square(5.3, 5.3, 0.1)).cells().count(), 1);
+    }
+
+    #[test]
+    fn parts_apart_are_those_that_no_walk_over_sides_of_cells_leads_from_to_the_others() {
+        let mut random = geometry::Random::new(5);
+        let grid = Grid { columns: 130, rows: 9, ..grid() };
+        let mut some = |share: u32| {
+            let mut map = Bitmap::empty(grid);
+            let cells = (0..130).flat_map(|x| (0..9).map(move |y| [x, y]));
+            cells.filter(|_| random.below(100) < share).for_each(|cell| map.set(cell));
+            map
+        };
+        for share in [0, 5, 40, 60, 80, 100] {
+            let (cells, others) = (some(share), some(2));
+            let (mut rest, mut apart) = (cells.clone(), 0);
+            for cell in cells.cells() {
+                let mut ahead: Vec<[usize; 2]> = rest.take(cell).then_some(cell).into_iter().collect();
+                let mut part = Vec::new();
+                while let Some([x, y]) = ahead.pop() {
+                    part.push([x, y]);
+                    let beside = [[x + 1, y], [x.wrapping_sub(1), y], [x, y + 1], [x, y.wrapping_sub(1)]];
+                    ahead.extend(beside.into_iter().filter(|&cell| rest.take(cell)));
+                }
+                apart += usize::from(!part.is_empty() && part.iter().all(|&cell| !others.has(cell)));
+            }
+            assert_eq!(cells.parts_apart(&others), apart, "{share}");
+        }
     }
 
     #[test]

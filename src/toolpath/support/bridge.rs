@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::bitmap::Bitmap;
 use geometry::real;
-use geometry::{Point, Region};
+use geometry::{HatchSegment, Point, Region};
 
 /// Directions that are tried over half a turn.
 const DIRECTIONS: u32 = 12;
@@ -35,9 +35,7 @@ pub fn spanned(overhang: &Region, carrier: &Bitmap, longest_mm: f64) -> Bitmap {
         let angle_rad = f64::from(k) * PI / f64::from(DIRECTIONS);
         let (sin, cos) = real::sin_cos(angle_rad);
         let (mut held, mut all_mm, mut held_mm) = (Vec::new(), 0.0, 0.0);
-        for [a, b] in
-            geometry::scan_lines(overhang, angle_rad, LINE_MM, 0.0).into_iter().flat_map(|l| l.segments)
-        {
+        for HatchSegment { ends: [a, b], .. } in geometry::scan_lines(overhang, angle_rad, LINE_MM, 0.0) {
             let length_mm = a.point.distance_mm(b.point);
             let beyond = |p: Point, by_mm: f64| {
                 let [x, y] = p.mm();
