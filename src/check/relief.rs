@@ -31,10 +31,9 @@ impl Tops {
         if cell.wrapping_sub(self.first) >= self.held_mm.len() {
             self.hold(cell);
         }
-        let (top_mm, z_mm) = (&mut self.held_mm[cell - self.first], z_mm as f32);
-        if *top_mm < z_mm {
-            *top_mm = z_mm;
-        }
+        // Without a branch, which would be taken at random.
+        let top_mm = &mut self.held_mm[cell - self.first];
+        *top_mm = top_mm.max(z_mm as f32);
     }
 
     /// Holds a cell, and beyond it half as many as there are, so that this is seldom done.

@@ -40,8 +40,9 @@ fn normal(v: [f64; 4]) -> [f64; 4] {
 
 impl Machine {
     /// The [direction](CornerMove::direction) of a move.
-    pub(super) fn direction(&self, unit: [f64; 4]) -> [f64; 4] {
-        if self.firmware == Firmware::Marlin { normal(unit) } else { unit }
+    pub(super) fn direction(&self, delta: [f64; 4], unit: [f64; 4]) -> [f64; 4] {
+        // Of the displacement, which is known before the unit is.
+        if self.firmware == Firmware::Marlin { normal(delta) } else { unit }
     }
 
     /// Speed and acceleration that the axes allow a move of this direction.

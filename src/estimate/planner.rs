@@ -114,7 +114,7 @@ impl Planner {
         let (speed, acceleration) = machine.limited(&unit, in_space, segment.speed, segment.acceleration);
         let now = CornerMove {
             unit,
-            direction: machine.direction(unit),
+            direction: machine.direction(segment.delta, unit),
             length_mm,
             in_space,
             speed,

@@ -19,7 +19,7 @@ const TOGETHER_MM: f64 = 3.0;
 const NOISE_MM: f64 = 1e-9;
 
 /// A bead whose centre line is so far inside of the layer below, in its widths, is held; how much farther makes no difference.
-const HELD: f64 = 0.25;
+pub(super) const HELD: f64 = 0.25;
 
 /// One that is so far outside lies in the air.
 const AIR: f64 = 0.5;
@@ -40,10 +40,11 @@ pub(super) enum Grade {
 }
 
 impl Grade {
-    /// The grade of a bead whose centre line is so far (in its widths) outside of the layer below.
-    fn of(outside: f64) -> Self {
+    /// The grade of a bead whose centre line is so far (in its widths) outside of the layer below, where one that is `held`
+    /// inside is.
+    fn of(outside: f64, held: f64) -> Self {
         match outside {
-            d if d <= -HELD => Self::Held,
+            d if d <= -held => Self::Held,
             d if d <= 0.0 => Self::Quarter,
             d if d <= 0.25 => Self::Half,
             d if d < AIR => Self::ThreeQuarters,
@@ -66,11 +67,12 @@ impl Support {
         Self { outline: EdgeGrid::new(beneath) }
     }
 
-    /// Cuts a bead of this width where its grade changes; empty if all of it is supported. Short stretches take the
-    /// grade of what hangs further beside them. O(vertices) for outlines of like detail.
-    pub(super) fn stretches(&self, vertices: &[Vertex], width_mm: f64) -> Vec<Stretch> {
-        let mut walk = Walk::new(self, width_mm);
+    /// Cuts a bead of this width where its grade changes; empty if all of it is held: so many of its widths inside of the layer
+    /// below, [`HELD`], or 0 where a quarter makes no difference. Short stretches take the grade of what hangs further beside
+    /// them. O(vertices) for outlines of like detail.
+    pub(super) fn stretches(&self, vertices: &[Vertex], width_mm: f64, held: f64) -> Vec<Stretch> {
         let parts = in_parts(vertices);
+        let mut walk = Walk::new(self, width_mm, held, parts.len());
         let mut rest = parts.as_slice();
         while rest.len() > 1 {
             let (edges, bounds_mm) = together(rest);
@@ -150,6 +152,9 @@ fn smoothed(stretches: Vec<Stretch>) -> Vec<Stretch> {
 struct Walk<'a> {
     support: &'a Support,
     width_mm: f64,
+    held: f64,
+    /// How many vertices it has.
+    count: usize,
     /// Whether the present vertex is over the support, if that is known.
     inside: Option<bool>,
     /// The outline's edges that are near to the edges looked at together, for beads that are held there.
@@ -160,13 +165,14 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(support: &'a Support, width_mm: f64) -> Self {
-        Self { support, width_mm, inside: None, beside: Vec::new(), around: Vec::new(), out: Vec::new() }
+    fn new(support: &'a Support, width_mm: f64, held: f64, count: usize) -> Self {
+        let (beside, around, out) = (Vec::new(), Vec::new(), Vec::new());
+        Self { support, width_mm, held, count, inside: None, beside, around, out }
     }
 
     /// Goes along edges that are looked at together, whose box is known.
     fn edges(&mut self, vertices: &[Vertex], bounds_mm: [[f64; 2]; 2]) {
-        self.support.near(bounds_mm, HELD * self.width_mm, &mut self.beside);
+        self.support.near(bounds_mm, self.held * self.width_mm, &mut self.beside);
         for pair in vertices.windows(2) {
             self.edge(pair[0], pair[1]);
         }
@@ -174,7 +180,7 @@ impl<'a> Walk<'a> {
 
     fn edge(&mut self, from: Vertex, to: Vertex) {
         let edge = [from.at, to.at];
-        let (mut near, mut reach_mm) = (&self.beside, HELD * self.width_mm);
+        let (mut near, mut reach_mm) = (&self.beside, self.held * self.width_mm);
         let mut away = nearest_mm(edge, near, reach_mm) / self.width_mm;
         let inside = match self.inside {
             Some(inside) if away > 0.0 => inside,
@@ -187,8 +193,9 @@ impl<'a> Walk<'a> {
             away = nearest_mm(edge, near, reach_mm) / self.width_mm;
         }
         self.inside = (away > 0.0).then_some(inside);
-        if away >= AIR || (inside && away >= HELD) {
-            return push(&mut self.out, Grade::of(if inside { -away } else { away }), from, to);
+        if away >= AIR || (inside && away >= self.held) {
+            let grade = Grade::of(if inside { -away } else { away }, self.held);
+            return push(&mut self.out, grade, [from, to], self.count);
         }
         let steps = (distance_mm(from.at, to.at) / STEP_MM).ceil().max(1.0);
         let mut start = from;
@@ -200,16 +207,22 @@ impl<'a> Walk<'a> {
                 None => self.support.outline.contains(Point::from_mm(middle[0], middle[1])),
             };
             let away = nearest_mm([middle, middle], near, reach_mm) / self.width_mm;
-            push(&mut self.out, Grade::of(if inside { -away } else { away }), start, end);
+            let grade = Grade::of(if inside { -away } else { away }, self.held);
+            push(&mut self.out, grade, [start, end], self.count);
             start = end;
         }
     }
 }
 
-fn push(out: &mut Vec<Stretch>, grade: Grade, from: Vertex, to: Vertex) {
+/// `count`: how many vertices the first stretch most likely has.
+fn push(out: &mut Vec<Stretch>, grade: Grade, [from, to]: [Vertex; 2], count: usize) {
     match out.last_mut() {
         Some((last, vertices)) if *last == grade => vertices.push(to),
-        _ => out.push((grade, vec![from, to])),
+        last => {
+            let mut vertices = Vec::with_capacity(if last.is_none() { count } else { 2 });
+            vertices.extend([from, to]);
+            out.push((grade, vertices));
+        }
     }
 }
 
@@ -271,7 +284,7 @@ mod tests {
         let support = Support::new(&rectangle(0.0, 0.0, 20.0, 20.0));
         let grade = |outside_mm: f64| {
             let x = 20.0 + outside_mm;
-            let stretches = support.stretches(&line(&[[x, 2.0], [x, 18.0]]), 0.4);
+            let stretches = support.stretches(&line(&[[x, 2.0], [x, 18.0]]), 0.4, HELD);
             assert!(stretches.len() <= 1, "{outside_mm}: {stretches:?}");
             stretches.first().map_or(Grade::Held, |stretch| stretch.0)
         };
@@ -287,7 +300,7 @@ mod tests {
     fn a_wall_over_a_gap_is_cut_where_the_air_begins() {
         let mut two = rectangle(0.0, 0.0, 10.0, 10.0);
         two.add_disjoint(rectangle(20.0, 0.0, 30.0, 10.0).into_polygons());
-        let stretches = Support::new(&two).stretches(&line(&[[1.0, 5.0], [29.0, 5.0]]), 0.4);
+        let stretches = Support::new(&two).stretches(&line(&[[1.0, 5.0], [29.0, 5.0]]), 0.4, HELD);
         let grades: Vec<Grade> = stretches.iter().map(|s| s.0).collect();
         assert_eq!(grades, [Grade::Held, Grade::Air, Grade::Held]);
         let (air, length_mm) = (&stretches[1].1, distance_mm([1.0, 5.0], [29.0, 5.0]));
@@ -308,6 +321,7 @@ mod tests {
     proptest! {
         #[test]
         fn edges_looked_at_together_have_the_grades_that_each_has_alone(
+            held in prop::sample::select(vec![0.0, HELD]),
             radii in prop::collection::vec(2.0..12.0f64, 3..60),
             corners in prop::collection::vec(((0.0..30.0f64), (0.0..30.0f64)), 1..5),
             steps in prop::collection::vec((-0.6..0.6f64, -0.6..0.6f64), 2..60),
@@ -319,13 +333,13 @@ mod tests {
                 points.push([x + dx, y + dy]);
             }
             let bead = line(&points);
-            let mut alone = Walk::new(&support, 0.45);
+            let mut alone = Walk::new(&support, 0.45, held, bead.len());
             for edge in in_parts(&bead).windows(2) {
                 alone.edges(edge, joined([edge[0].at; 2], edge[1].at));
             }
             let all_held = alone.out.iter().all(|(grade, _)| *grade == Grade::Held);
             let wanted = if all_held { Vec::new() } else { smoothed(alone.out) };
-            prop_assert_eq!(support.stretches(&bead, 0.45), wanted);
+            prop_assert_eq!(support.stretches(&bead, 0.45, held), wanted);
         }
     }
 }

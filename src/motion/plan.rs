@@ -6,7 +6,7 @@ use super::arc;
 use super::bead::{Vertex, length_mm, trace};
 use super::ends::{self, Scarf, Step};
 use super::nozzle::Nozzle;
-use super::overhang::{Grade, Support};
+use super::overhang::{Grade, HELD, Support};
 use super::prime::prime;
 use super::rules::Rules;
 use super::simplify::straighten;
@@ -160,7 +160,7 @@ fn turn_round(
 ) {
     let due = settings.reverse_overhangs && layer % 2 == 1 && path.closed && path.role.is_wall();
     let Some(support) = support.filter(|_| due) else { return };
-    let stretches = support.stretches(vertices, path.width.mean_mm());
+    let stretches = support.stretches(vertices, path.width.mean_mm(), 0.0);
     if stretches.iter().any(|(grade, _)| *grade > Grade::Quarter) {
         vertices.reverse();
     }
@@ -285,7 +285,10 @@ impl Nozzle<'_> {
         let island = path.island.and_then(|island| self.islands.get(island.index()));
         let may_hang = path.role.is_wall() && !island.is_some_and(|island| island.repeats);
         let stretches = match &self.support {
-            Some(support) if may_hang => support.stretches(vertices, path.width.mean_mm()),
+            Some(support) if may_hang => {
+                let held = if self.rules.tells_quarters(path.role, self.small) { HELD } else { 0.0 };
+                support.stretches(vertices, path.width.mean_mm(), held)
+            }
             _ => Vec::new(),
         };
         if stretches.is_empty() {

@@ -69,6 +69,13 @@ impl<'a> Rules<'a> {
         if self.is_first() && first.speed.0 > 0.0 && first.speed < speed { first.speed } else { speed }
     }
 
+    /// Whether a wall that hangs over by a quarter is printed in another way than one that is held.
+    pub(super) fn tells_quarters(&self, role: Role, small: bool) -> bool {
+        let [held, quarter] = [Grade::Held, Grade::Quarter]
+            .map(|grade| (self.speed(role, grade, small), self.fan(Some((role, grade)))));
+        held != quarter
+    }
+
     /// The speed at which a bead of this cross-section does not exceed the hot end's flow.
     pub(super) fn melted(&self, speed: MmPerS, area_mm2: f64) -> MmPerS {
         let max_flow = self.settings.flow.max_flow.0;

@@ -9,7 +9,7 @@ use pathwright_geometry::{Bounds, Point};
 /// smaller than one leaf per vertex would, and a block is scanned in the time of a few tree nodes.
 const BLOCK: usize = 16;
 /// Blocks per leaf.
-const LEAF: usize = 2;
+const LEAF: usize = 6;
 const NONE: u32 = u32::MAX;
 
 /// A tree of boxes over all entries of a problem, one subtree per group.
@@ -43,7 +43,7 @@ pub struct Entry {
     pub entry: u32,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Bounds,
     parent: u32,
@@ -196,6 +196,24 @@ impl<'a> Index<'a> {
                 self.leaves[*slot as usize] = leaf as u32;
                 *slot += 1;
             }
+        }
+    }
+
+    /// All items are left again, no group is open.
+    pub fn restore(&mut self) {
+        self.left.fill(true);
+        for node in (0..self.nodes.len()).rev() {
+            let Node { from, to, leaf, .. } = self.nodes[node];
+            let above = node >= self.above as usize;
+            // Children come after their parents.
+            self.nodes[node].count = match leaf {
+                true => to - from,
+                false if above => 0,
+                false => self.nodes[from as usize].count + self.nodes[to as usize].count,
+            };
+        }
+        for &root in &self.roots {
+            self.nodes[root as usize].visible = false;
         }
     }
 

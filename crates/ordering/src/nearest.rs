@@ -17,8 +17,19 @@ pub struct Nearest;
 impl Strategy for Nearest {
     fn solve(&self, problem: &Problem, _: &Cost, _: Effort) -> Sequence {
         let groups = Groups::new(problem);
-        let mut index = Index::new(problem, &groups);
-        walk_groups(problem, &groups, &mut index, |group, start, index, sequence| {
+        Self::walk(problem, Frontier::new(&groups), problem.start, &mut Index::new(problem, &groups))
+    }
+}
+
+impl Nearest {
+    /// From a place through the groups of a frontier, all of whose items are in the index.
+    pub(super) fn walk(
+        problem: &Problem,
+        frontier: (Frontier<'_>, Vec<u32>),
+        from: Option<Point>,
+        index: &mut Index,
+    ) -> Sequence {
+        walk_frontier(problem, frontier, from, index, |group, start, index, sequence| {
             let Some(first) = index.nearest_in(group, start, None, |_| true) else { return };
             let mut next = Some(first);
             while let Some(entry) = next {
@@ -40,15 +51,26 @@ pub fn walk_groups(
     problem: &Problem,
     groups: &Groups,
     index: &mut Index,
+    draw: impl FnMut(u32, Point, &mut Index, &mut Sequence),
+) -> Sequence {
+    walk_frontier(problem, Frontier::new(groups), problem.start, index, draw)
+}
+
+/// As [`walk_groups`], for the groups of a frontier.
+fn walk_frontier(
+    problem: &Problem,
+    (mut frontier, mut released): (Frontier<'_>, Vec<u32>),
+    from: Option<Point>,
+    index: &mut Index,
     mut draw: impl FnMut(u32, Point, &mut Index, &mut Sequence),
 ) -> Sequence {
-    let (mut frontier, mut released) = Frontier::new(groups);
+    let groups = frontier.groups;
     let first = |group: &u32| groups.items[*group as usize][0];
-    let mut at = problem.start.unwrap_or_else(|| {
+    let mut at = from.unwrap_or_else(|| {
         let item = released.iter().map(first).min();
         item.map_or(Point::default(), |item| problem.items[item as usize].ends(0).0)
     });
-    let mut sequence = Sequence::with_capacity(problem.items.len());
+    let mut sequence = Sequence::new();
     let mut forced = None;
     loop {
         for group in released.drain(..).filter(|&group| forced != Some(group)) {

@@ -1,5 +1,7 @@
 //! Precedence as groups of items that stay together, for strategies to build upon.
 
+use std::ops::Range;
+
 use super::options::Scope;
 use super::{Problem, Run};
 use pathwright_geometry::Point;
@@ -82,16 +84,23 @@ impl Groups {
 /// Every group is reported once, as it becomes available: O(groups) over a whole walk.
 #[derive(Debug)]
 pub struct Frontier<'a> {
-    groups: &'a Groups,
+    pub groups: &'a Groups,
     /// First group of the next stage.
     next_stage: usize,
+    /// One past the last group.
+    end: usize,
     left_in_stage: usize,
 }
 
 impl<'a> Frontier<'a> {
     /// Before the first group; the second value lists the groups that are available at once.
     pub fn new(groups: &'a Groups) -> (Self, Vec<u32>) {
-        let mut frontier = Self { groups, next_stage: 0, left_in_stage: 0 };
+        Self::within(groups, 0..groups.items.len())
+    }
+
+    /// The same of some stages, whose groups these are.
+    pub fn within(groups: &'a Groups, stages: Range<usize>) -> (Self, Vec<u32>) {
+        let mut frontier = Self { groups, next_stage: stages.start, end: stages.end, left_in_stage: 0 };
         let available = frontier.begin_stage();
         (frontier, available)
     }
@@ -106,7 +115,7 @@ impl<'a> Frontier<'a> {
     }
 
     fn begin_stage(&mut self) -> Vec<u32> {
-        let (from, positions) = (self.next_stage, &self.groups.positions);
+        let (from, positions) = (self.next_stage, &self.groups.positions[..self.end]);
         let Some(stage) = positions.get(from).map(|at| at.stage) else { return Vec::new() };
         let to = from + positions[from..].partition_point(|at| at.stage == stage);
         (self.next_stage, self.left_in_stage) = (to, to - from);

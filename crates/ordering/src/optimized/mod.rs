@@ -19,7 +19,7 @@ mod walk;
 
 use self::state::Search;
 use super::precedence::Groups;
-use super::{Cost, Known, Nearest, Problem, Sequence, Strategy, evaluate};
+use super::{Cost, Known, Problem, Sequence, Strategy, evaluate};
 use crate::options::{Effort, Scope};
 use pathwright_geometry::Random;
 
@@ -65,7 +65,7 @@ const RESUMED: u64 = 4;
 /// Stages are begun one after the other, each from where the last one ended; kicks then take all together, so that each
 /// comes to end where it suits the next.
 ///
-/// Never more expensive than [`Nearest`].
+/// Never more expensive than [`Nearest`](super::Nearest).
 #[derive(Clone, Copy, Debug)]
 pub struct Optimized;
 
@@ -96,7 +96,7 @@ impl Strategy for Optimized {
             search.enter_best();
         }
         if led.is_none() {
-            let nearest = Nearest.solve(problem, cost, effort);
+            let nearest = search.nearest();
             if evaluate(problem, &nearest, cost) < evaluate(problem, &search.sequence(), cost) {
                 search = Search::new(problem, &groups, *cost, few(effort), watch);
                 search.take_up(&nearest);

@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use super::super::entries::EntrySearch;
 use super::super::greedy::Fragments;
-use super::super::precedence::Groups;
-use super::super::{Cost, Problem, Sequence, Visit, Watch};
+use super::super::index::Index;
+use super::super::precedence::{Frontier, Groups};
+use super::super::{Cost, Nearest, Problem, Sequence, Visit, Watch};
 use super::end::End;
 use super::gaps::Gaps;
 use super::neighbours::Neighbours;
@@ -14,6 +15,7 @@ use super::start::start;
 use super::state::Search;
 use super::vicinity::Vicinity;
 use super::walk::Walk;
+use crate::options::Scope;
 use pathwright_geometry::Point;
 use pathwright_geometry::Random;
 
@@ -55,8 +57,21 @@ impl<'a> Search<'a> {
             watch,
             next_look: LOOK,
             gaps: Gaps::default(),
+            index: None,
             entry_search: EntrySearch::default(),
         }
+    }
+
+    /// The solution of [`Nearest`].
+    pub fn nearest(&mut self) -> Sequence {
+        let index = match &mut self.index {
+            Some(index) => {
+                index.restore();
+                index
+            }
+            none => none.insert(Index::new(self.problem, self.groups)),
+        };
+        Nearest::walk(self.problem, Frontier::new(self.groups), self.problem.start, index)
     }
 
     /// The walk as it is now.
@@ -76,8 +91,16 @@ impl<'a> Search<'a> {
 
     /// Goes on through all items of a stage (its groups), and improves the walk until no move does any more.
     fn append_stage(&mut self, stage: Range<usize>, fragments: &mut Fragments) {
-        let from = self.walk.len() + 1;
-        let visits = start(self.problem, self.groups, stage, self.at(), &mut self.neighbours, fragments);
+        let (from, at) = (self.walk.len() + 1, self.at());
+        // Fragments leave less to improve; but where runs must not be mixed, choosing the next run by the nearest of its ends
+        // matters more, and nearest begins lower.
+        let visits = match self.problem.scope {
+            Scope::Layer => start(self.problem, self.groups, stage, at, &mut self.neighbours, fragments),
+            Scope::Feature | Scope::Island => {
+                let index = self.index.get_or_insert_with(|| Index::new(self.problem, self.groups));
+                Nearest::walk(self.problem, Frontier::within(self.groups, stage), at, index)
+            }
+        };
         self.walk.append(&visits);
         let to = self.walk.len() + 1;
         (from..=to).for_each(|gap| self.touch(gap));

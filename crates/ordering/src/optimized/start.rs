@@ -4,15 +4,11 @@ use std::cmp::Reverse;
 
 use super::super::greedy::{Fragments, Link, Links};
 use super::super::precedence::Groups;
-use super::super::{Cost, Item, Nearest, Problem, Sequence, Strategy};
+use super::super::{Problem, Sequence};
 use super::neighbours::{NEAR, Near, Neighbours};
-use crate::options::{Effort, Scope};
 use pathwright_geometry::Point;
 
-/// A first solution for the groups of one stage, from where the nozzle is.
-///
-/// Fragments that were joined shortest first leave less to improve; but where runs must not be mixed, choosing the next run by the
-/// nearest of its ends matters more, and nearest begins lower.
+/// A first solution for the groups of one stage, from where the nozzle is: fragments, joined shortest first.
 pub fn start(
     problem: &Problem,
     groups: &Groups,
@@ -21,9 +17,6 @@ pub fn start(
     neighbours: &mut Neighbours,
     fragments: &mut Fragments,
 ) -> Sequence {
-    if problem.scope != Scope::Layer {
-        return nearest(problem, groups.items[stage].concat(), from);
-    }
     let mut sequence = Sequence::new();
     for group in stage {
         let items = &groups.items[group];
@@ -32,28 +25,6 @@ pub fn start(
         fragments.join(items, &mut near);
         fragments.walk(items, &mut sequence);
     }
-    sequence
-}
-
-/// [`Nearest`] on some of the items.
-fn nearest(problem: &Problem, mut items: Vec<u32>, from: Option<Point>) -> Sequence {
-    items.sort_unstable();
-    let mut runs: Vec<u32> = items.iter().map(|&item| problem.items[item as usize].run).collect();
-    runs.sort_unstable();
-    runs.dedup();
-    let item = |&item: &u32| {
-        let item = problem.items[item as usize];
-        Item { run: runs.partition_point(|&run| run < item.run) as u32, ..item }
-    };
-    let stage = Problem {
-        items: items.iter().map(item).collect(),
-        runs: runs.iter().map(|&run| problem.runs[run as usize]).collect(),
-        scope: problem.scope,
-        start: from,
-        end: None,
-    };
-    let mut sequence = Nearest.solve(&stage, &Cost::Length, Effort::Normal);
-    sequence.iter_mut().for_each(|visit| visit.item = items[visit.item as usize]);
     sequence
 }
 

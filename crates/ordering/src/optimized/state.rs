@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::super::entries::EntrySearch;
+use super::super::index::Index;
 use super::super::precedence::Groups;
 use super::super::{Problem, Watch};
 use super::gaps::Gaps;
@@ -33,4 +34,6 @@ pub struct Search<'a> {
     pub(super) gaps: Gaps,
     /// Buffers of the search for entries.
     pub(super) entry_search: EntrySearch,
+    /// Entries of all items, for [`Nearest`](super::super::Nearest).
+    pub(super) index: Option<Index<'a>>,
 }
