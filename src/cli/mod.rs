@@ -58,7 +58,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exi
             return if message.use_stderr() { Exit::Usage } else { Exit::Done };
         }
     };
-    // A slicing listens while it reads its settings.
+    // A slicing listens before it begins its output.
     if !matches!(args.command, Command::Slice(_)) {
         interrupt::listen();
     }

@@ -25,8 +25,9 @@ use crate::report::Summary;
 pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let watch = Watch::start(&args.limits, args.json)?;
     parallel::take_part(args.threads.map_or(0, Into::into));
-    let (plan, ()) = parallel::join(|| Plan::new(args), interrupt::listen);
-    let plan = plan?;
+    let plan = Plan::new(args)?;
+    // It takes as long as what comes before the output is begun, which waits for it.
+    parallel::aside(interrupt::listen);
     if args.json && plan.tasks.iter().any(|task| task.destination == Destination::Stdout) {
         return Err(usage("--json and the G-code both want standard output; give -o a file"));
     }
@@ -101,6 +102,7 @@ fn slice(
     watch: &Watch,
 ) -> Result<Summary, Failure> {
     let settings = &task.plate.settings.settings;
+    interrupt::listen();
     let mut output = match &task.destination {
         Destination::Stdout => Output::stdout(),
         Destination::File(path) => match Form::of_name(path) {

@@ -25,8 +25,8 @@ pub(super) struct Conflict {
 
 /// Looks at the settings as a whole. `origins` says where each was written.
 pub(super) fn find(settings: &Settings, origins: &BTreeMap<String, Origin>) -> Conflicts {
-    let values = toml::Table::try_from(settings).expect("settings are a table");
-    let mut check = Check { values, origins, found: Conflicts { errors: Vec::new(), warnings: Vec::new() } };
+    let found = Conflicts { errors: Vec::new(), warnings: Vec::new() };
+    let mut check = Check { settings, origins, found };
     heights_and_widths(settings, &mut check);
     varied_heights(settings, &mut check);
     spiral(settings, &mut check);
@@ -42,7 +42,7 @@ pub(super) fn find(settings: &Settings, origins: &BTreeMap<String, Origin>) -> C
 }
 
 struct Check<'a> {
-    values: toml::Table,
+    settings: &'a Settings,
     origins: &'a BTreeMap<String, Origin>,
     found: Conflicts,
 }
@@ -73,7 +73,8 @@ impl Check<'_> {
     }
 
     fn value(&self, key: &str) -> String {
-        let value = key.split_once('.').and_then(|(section, name)| self.values.get(section)?.get(name));
+        let values = toml::Table::try_from(self.settings).expect("settings are a table");
+        let value = key.split_once('.').and_then(|(section, name)| values.get(section)?.get(name));
         match value {
             Some(toml::Value::String(text)) if text.contains('\n') => "…".into(),
             Some(value) => value.to_string(),

@@ -12,7 +12,7 @@ use super::script::setting_names;
 use super::settings::Settings;
 use super::source::{Assignment, Reader};
 use super::tools;
-use super::value::{check, shortened, shown, typed_value};
+use super::value::{VARIABLES, check, shortened, shown, typed_value};
 use crate::limits;
 use crate::parallel;
 use crate::presets::Config;
@@ -159,13 +159,16 @@ fn assigned(
     problems: &mut Vec<Problem>,
 ) -> Assigned {
     let mut table = Table::try_from(&settings).expect("settings are a table");
-    let mut origins = BTreeMap::new();
+    // Of a setting that was written several times, the last place counts.
+    let mut origins: Vec<(String, Origin)> = Vec::new();
     let mut refused = Vec::new();
+    // There are variables only once one was assigned.
+    let mut has_variables = !settings.variables.is_empty();
     for Assignment { key, value, origin } in assignments {
         if problems.len() >= limits::PROFILE_PROBLEMS {
             let message = format!("only the first {} problems are listed", limits::PROFILE_PROBLEMS);
             problems.push(Problem { origin, setting: None, message });
-            return Assigned { settings, origins, warnings: Vec::new() };
+            return Assigned { settings, origins: origins.into_iter().collect(), warnings: Vec::new() };
         }
         match check(&key, &value) {
             Ok(()) if key == "tools" => drop(table.remove("tools")),
@@ -174,8 +177,10 @@ fn assigned(
                     tools_up_to(&mut table, tool);
                 } else if let Ok((tool, own)) = tools::split(&key) {
                     assign_to_tool(&mut table, tool, &own, value);
-                    forget_variables(&mut table, &own);
-                    origins.insert(format!("{}{}.{own}", tools::TOOLS, tool + 1), origin);
+                    if has_variables {
+                        forget_variables(&mut table, &own);
+                    }
+                    origins.push((format!("{}{}.{own}", tools::TOOLS, tool + 1), origin));
                 }
             }
             Ok(()) => {
@@ -184,8 +189,11 @@ fn assigned(
                 {
                     section.insert(name.to_owned(), value);
                 }
-                forget_variables(&mut table, &key);
-                origins.insert(key, origin);
+                has_variables |= key.starts_with(VARIABLES);
+                if has_variables {
+                    forget_variables(&mut table, &key);
+                }
+                origins.push((key, origin));
             }
             Err(message) => {
                 let setting = Some((shortened(&key), shown(&value)));
@@ -196,6 +204,7 @@ fn assigned(
     }
 
     let settings = Settings::try_from(table).expect("every value was checked");
+    let origins = origins.into_iter().collect();
     let found = conflicts::find(&settings, &origins);
     // A value that was refused leaves an older one in its place, which must not be blamed for a conflict.
     problems.extend(
