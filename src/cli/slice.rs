@@ -26,7 +26,7 @@ pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure
     let watch = Watch::start(&args.limits, args.json)?;
     parallel::take_part(args.threads.map_or(0, Into::into));
     let plan = Plan::new(args)?;
-    // It takes as long as what comes before the output is begun, which waits for it.
+    // On another thread's CPU, if one takes it up before it is needed.
     parallel::aside(interrupt::listen);
     if args.json && plan.tasks.iter().any(|task| task.destination == Destination::Stdout) {
         return Err(usage("--json and the G-code both want standard output; give -o a file"));
@@ -44,6 +44,8 @@ pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure
             }
         }
     }
+    // From here on something could be left incomplete.
+    interrupt::listen();
     if let (Some(path), [task]) = (&args.save_project, plan.tasks.as_slice()) {
         return projects::save(path, task, args);
     }
@@ -102,7 +104,6 @@ fn slice(
     watch: &Watch,
 ) -> Result<Summary, Failure> {
     let settings = &task.plate.settings.settings;
-    interrupt::listen();
     let mut output = match &task.destination {
         Destination::Stdout => Output::stdout(),
         Destination::File(path) => match Form::of_name(path) {

@@ -12,7 +12,7 @@ use super::script::setting_names;
 use super::settings::Settings;
 use super::source::{Assignment, Reader};
 use super::tools;
-use super::value::{VARIABLES, check, shortened, shown, typed_value};
+use super::value::{check, shortened, shown, typed_value};
 use crate::limits;
 use crate::parallel;
 use crate::presets::Config;
@@ -162,8 +162,6 @@ fn assigned(
     // Of a setting that was written several times, the last place counts.
     let mut origins: Vec<(String, Origin)> = Vec::new();
     let mut refused = Vec::new();
-    // There are variables only once one was assigned.
-    let mut has_variables = !settings.variables.is_empty();
     for Assignment { key, value, origin } in assignments {
         if problems.len() >= limits::PROFILE_PROBLEMS {
             let message = format!("only the first {} problems are listed", limits::PROFILE_PROBLEMS);
@@ -177,9 +175,7 @@ fn assigned(
                     tools_up_to(&mut table, tool);
                 } else if let Ok((tool, own)) = tools::split(&key) {
                     assign_to_tool(&mut table, tool, &own, value);
-                    if has_variables {
-                        forget_variables(&mut table, &own);
-                    }
+                    forget_variables(&mut table, &own);
                     origins.push((format!("{}{}.{own}", tools::TOOLS, tool + 1), origin));
                 }
             }
@@ -189,10 +185,7 @@ fn assigned(
                 {
                     section.insert(name.to_owned(), value);
                 }
-                has_variables |= key.starts_with(VARIABLES);
-                if has_variables {
-                    forget_variables(&mut table, &key);
-                }
+                forget_variables(&mut table, &key);
                 origins.push((key, origin));
             }
             Err(message) => {

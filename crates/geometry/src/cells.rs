@@ -93,7 +93,7 @@ fn frame(bounds: Bounds) -> impl Iterator<Item = Point> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{UNITS_PER_MM, intersection, union_all};
+    use super::super::{intersection, union_all};
     use super::*;
     use proptest::prelude::*;
 
@@ -121,12 +121,10 @@ mod tests {
             }
             let whole = union_all(cells.iter().map(|(_, region)| region)).area_mm2();
             let sum: f64 = cells.iter().map(|(_, region)| region.area_mm2()).sum();
-            // Borders are as far off as their corners.
-            let noise_mm2 = whole.sqrt() / UNITS_PER_MM;
-            prop_assert!((whole - sum).abs() < noise_mm2, "{} of {}", sum, whole);
+            prop_assert!((whole - sum).abs() < 1e-6 * whole, "{} of {}", sum, whole);
             for (i, a) in cells.iter().enumerate() {
                 for b in &cells[..i] {
-                    prop_assert!(intersection(&a.1, &b.1).area_mm2() < noise_mm2);
+                    prop_assert!(intersection(&a.1, &b.1).area_mm2() < 1e-6 * whole);
                 }
             }
         }
