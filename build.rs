@@ -1,4 +1,4 @@
-//! Tells the linker to write the program as Linux maps it fastest: docs/speed.md, "Small models".
+//! Tells the linker to write the program as Linux maps it fastest (docs/speed.md).
 
 use std::path::Path;
 use std::process::{Command, Stdio};
