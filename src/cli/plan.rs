@@ -248,7 +248,7 @@ pub(super) fn plate(
         Some(settings) => settings,
         None => {
             let resolve = || sources.resolve(&[]);
-            let read = || models.iter_mut().for_each(JobModel::read_if_small);
+            let read = || JobModel::read_small(&mut models);
             let (settings, ()) = parallel::join(resolve, read);
             Arc::new(settings?)
         }

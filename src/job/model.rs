@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
+use rustc_hash::FxHashMap;
 use sha2::{Digest, Sha256};
 
 use crate::mesh::{self, Mesh, MeshError, MeshReport, Transform};
@@ -51,11 +52,15 @@ impl JobModel {
         self.source.path()
     }
 
-    /// Reads the file now if it is small.
+    /// Reads the files of models now, each once, if they are small.
     #[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "who has no files has read them"))]
-    pub(crate) fn read_if_small(&mut self) {
-        if let Some(file) = self.source.small() {
-            self.source = Arc::new(file).into();
+    pub(crate) fn read_small(models: &mut [Self]) {
+        let mut read: FxHashMap<PathBuf, Option<Arc<ModelFile>>> = FxHashMap::default();
+        for source in models.iter_mut().map(|model| &mut model.source) {
+            let ModelSource::Path(path) = source else { continue };
+            if let Some(file) = read.entry(path.clone()).or_insert_with(|| small(path).map(Arc::new)) {
+                *source = file.clone().into();
+            }
         }
     }
 }
@@ -68,6 +73,13 @@ impl<T: Into<ModelSource>> From<T> for JobModel {
 
 /// Files up to this size are read while something else is done.
 const SMALL_BYTES: u64 = 1 << 20;
+
+/// A small file, read and repaired. One that cannot be read is left to whoever reads it later, and is told why.
+fn small(path: &Path) -> Option<ModelFile> {
+    let file = fs::metadata(path).ok().filter(|file| file.is_file() && file.len() <= SMALL_BYTES);
+    let bytes = file.and_then(|_| fs::read(path).ok())?;
+    ModelFile::read(path.to_str()?, bytes, &Observer::none()).ok()
+}
 
 /// Where a model is read from.
 #[derive(Clone, Debug)]
@@ -93,14 +105,6 @@ impl ModelSource {
             Self::Bytes { name, .. } => Path::new(name),
             Self::Read(file) => Path::new(&file.name),
         }
-    }
-
-    /// A small file, read and repaired. One that cannot be read is left to whoever reads it later, and is told why.
-    fn small(&self) -> Option<ModelFile> {
-        let Self::Path(path) = self else { return None };
-        let file = fs::metadata(path).ok().filter(|file| file.is_file() && file.len() <= SMALL_BYTES);
-        let bytes = file.and_then(|_| fs::read(path).ok())?;
-        ModelFile::read(path.to_str()?, bytes, &Observer::none()).ok()
     }
 
     /// The objects of the file, repaired.
@@ -236,4 +240,22 @@ pub(crate) fn digest(bytes: &[u8]) -> String {
 /// Bytes as two digits each.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_named_twice_is_read_once() {
+        let mut models = ["models/calibration_cube.stl", "models/none.stl", "models/calibration_cube.stl"]
+            .map(JobModel::new);
+        JobModel::read_small(&mut models);
+        let [ModelSource::Read(first), ModelSource::Path(_), ModelSource::Read(second)] =
+            models.map(|model| model.source)
+        else {
+            panic!("small files that are there are read, others left")
+        };
+        assert!(Arc::ptr_eq(&first, &second));
+    }
 }
