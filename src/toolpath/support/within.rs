@@ -1,5 +1,7 @@
 //! Cells that surely lie in a region, whatever rounding does.
 
+use std::ops::Range;
+
 use geometry::{Point, Region};
 
 use super::bitmap::{Bitmap, Grid, WORD, words_of};
@@ -8,19 +10,18 @@ use super::bitmap::{Bitmap, Grid, WORD, words_of};
 const SLACK: i64 = 100;
 
 impl Grid {
-    /// Whether a function holds for each run of cells (row, first column, one past the last) within [`SLACK`] of a segment.
-    /// It does not for a segment that leaves the grid.
-    fn holds_along(&self, a: Point, b: Point, mut holds: impl FnMut(usize, usize, usize) -> bool) -> bool {
+    /// Whether a function holds for all cells (rows, first column, one past the last) within [`SLACK`] of a segment: row by row, or
+    /// of one that goes straight up at once. It does not for a segment that leaves the grid.
+    fn holds_along(
+        &self,
+        a: Point,
+        b: Point,
+        mut holds: impl FnMut(Range<usize>, usize, usize) -> bool,
+    ) -> bool {
         let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
         let (left, bottom) = (i64::from(self.origin.x), i64::from(self.origin.y));
         let (ax, ay) = (i64::from(a.x) - left, i64::from(a.y) - bottom);
         let (bx, by) = (i64::from(b.x) - left, i64::from(b.y) - bottom);
-        let slope = if by > ay { (bx - ax) as f64 / (by - ay) as f64 } else { 0.0 };
-        let at = |y: i64| match y {
-            y if y <= ay => ax,
-            y if y >= by => bx,
-            y => ax + (slope * (y - ay) as f64) as i64,
-        };
         if ay <= SLACK || ax.min(bx) <= SLACK {
             return false;
         }
@@ -28,14 +29,28 @@ impl Grid {
         // No two points are further apart than 2³² units.
         let cell_of = |along: i64| (along as u32 / self.cell as u32) as usize;
         let (first, last) = (cell_of(ay - SLACK), cell_of(by + SLACK));
-        last < self.rows
-            && (first..last + 1).all(|row| {
-                let (low, high) = (row as i64 * cell - SLACK, (row as i64 + 1) * cell + SLACK);
-                // A level segment is in one row at all its abscissae.
-                let (enter, leave) = if low <= ay && by <= high { (ax, bx) } else { (at(low), at(high)) };
-                let (from, to) = (cell_of(enter.min(leave) - SLACK), cell_of(enter.max(leave) + SLACK));
-                to < self.columns && holds(row, from, to + 1)
-            })
+        if last >= self.rows {
+            return false;
+        }
+        let mut holds_in = |rows: Range<usize>, enter: i64, leave: i64| {
+            let (from, to) = (cell_of(enter.min(leave) - SLACK), cell_of(enter.max(leave) + SLACK));
+            to < self.columns && holds(rows, from, to + 1)
+        };
+        if ax == bx {
+            return holds_in(first..last + 1, ax, ax);
+        }
+        let slope = if by > ay { (bx - ax) as f64 / (by - ay) as f64 } else { 0.0 };
+        let at = |y: i64| match y {
+            y if y <= ay => ax,
+            y if y >= by => bx,
+            y => ax + (slope * (y - ay) as f64) as i64,
+        };
+        (first..last + 1).all(|row| {
+            let (low, high) = (row as i64 * cell - SLACK, (row as i64 + 1) * cell + SLACK);
+            // A level segment is in one row at all its abscissae.
+            let (enter, leave) = if low <= ay && by <= high { (ax, bx) } else { (at(low), at(high)) };
+            holds_in(row..row + 1, enter, leave)
+        })
     }
 
     /// Inverts, in every row whose middle a segment passes, the cell whose middle comes next after it.
@@ -53,11 +68,17 @@ impl Grid {
         }
         let slope = (f64::from(b.x) - f64::from(a.x)) / (f64::from(b.y) - f64::from(a.y));
         let across = f64::from(a.x) - f64::from(self.origin.x);
-        for row in first..end {
+        let column_at = |row: i64| {
             let up = i64::from(self.origin.y) - i64::from(a.y) + row * cell + cell / 2;
-            let column = ((across + slope * up as f64) / cell as f64 + 0.5).max(0.0) as i64;
-            if column < self.columns as i64 {
-                words[row as usize * self.stride() + column as usize / WORD] ^= 1 << (column as usize % WORD);
+            ((across + slope * up as f64) / cell as f64 + 0.5).max(0.0) as usize
+        };
+        let mut column = column_at(first);
+        for row in first..end {
+            if a.x != b.x {
+                column = column_at(row);
+            }
+            if column < self.columns {
+                words[row as usize * self.stride() + column / WORD] ^= 1 << (column % WORD);
             }
         }
     }
@@ -92,8 +113,10 @@ impl Within {
         }
         cells.mask();
         let words = cells.words_mut();
-        let mut clear = |row: usize, from: usize, to: usize| {
-            grid.run(row, from, to).for_each(|(word, bits)| words[word] &= !bits);
+        let mut clear = |rows: Range<usize>, from: usize, to: usize| {
+            for row in rows {
+                grid.run(row, from, to).for_each(|(word, bits)| words[word] &= !bits);
+            }
             true
         };
         let is_whole = edges(region).all(|[a, b]| grid.holds_along(a, b, &mut clear));
@@ -107,19 +130,22 @@ impl Within {
 
     /// Whether the boundary of a region surely passes only cells that are in all of some sets of one grid.
     pub fn all_hold_boundary(grid: Grid, sets: &[&Self], region: &Region) -> bool {
-        let holds = |row: usize, from: usize, to: usize| {
-            words_of(from, to).all(|(word, bits)| sets.iter().all(|set| set.holds(row, word, bits)))
+        let holds = |rows: Range<usize>, from: usize, to: usize| {
+            words_of(from, to).all(|(word, bits)| sets.iter().all(|set| set.holds(&rows, word, bits)))
         };
         edges(region).all(|[a, b]| grid.holds_along(a, b, holds))
     }
 
-    /// Whether all of some bits of a word of the grid's are in it.
+    /// Whether all of some bits of a word are in it in each of some of the grid's rows.
     #[inline]
-    fn holds(&self, row: usize, word: usize, bits: u64) -> bool {
+    fn holds(&self, rows: &Range<usize>, word: usize, bits: u64) -> bool {
         let [first_word, first_row] = self.first;
-        let stride = self.cells.grid().stride();
-        let (row, word) = (row.wrapping_sub(first_row), word.wrapping_sub(first_word));
-        word < stride && row < self.cells.grid().rows && self.cells.holds(row * stride + word, bits)
+        let (word, start) = (word.wrapping_sub(first_word), rows.start.wrapping_sub(first_row));
+        let grid = self.cells.grid();
+        word < grid.stride()
+            && start < grid.rows
+            && rows.len() <= grid.rows - start
+            && self.cells.holds_in(start..start + rows.len(), word, bits)
     }
 }
 
@@ -159,7 +185,7 @@ mod tests {
         for (x, y) in (0..columns).flat_map(|x| (0..rows).map(move |y| (x, y))) {
             let corners = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
             let whole = corners.iter().all(|&p| region.contains(p));
-            let is_within = within.holds(y, x / WORD, 1 << (x % WORD));
+            let is_within = within.holds(&(y..y + 1), x / WORD, 1 << (x % WORD));
             assert!(!is_within || whole, "{x} {y}");
             count += usize::from(whole && !is_within);
         }
