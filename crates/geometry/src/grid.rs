@@ -183,27 +183,33 @@ impl EdgeGrid {
             return false;
         }
         let min = self.bounds.min;
-        let cell_of = |at: i32, origin: i32| (i64::from(at) - i64::from(origin)) / self.cell;
-        let (column, first) = (cell_of(p.x, min.x), cell_of(p.y, min.y) * self.columns);
-        let end = first + self.columns;
-        let at = first + column;
-        let is_free = |cell: i64| {
-            cell < first || cell >= end || self.starts[cell as usize] == self.starts[cell as usize + 1]
-        };
-        let mut free = (0..).flat_map(|by| [at - by, at + by]).skip(1);
-        let free = free.find(|&cell| is_free(cell)).unwrap_or(first - 1);
-        // Beyond the last cell of a row all is outside.
-        let inside = (first..end).contains(&free) && self.insides()[free as usize];
-        if free == at {
-            return inside;
+        let cell_of = |at: i32, origin: i32| ((i64::from(at) - i64::from(origin)) / self.cell) as usize;
+        let (column, columns) = (cell_of(p.x, min.x), self.columns as usize);
+        let first = cell_of(p.y, min.y) * columns;
+        let starts = &self.starts[first..=first + columns];
+        let is_free = |column: usize| starts[column] == starts[column + 1];
+        let is_inside = |column: usize| self.insides()[first + column];
+        if is_free(column) {
+            return is_inside(column);
         }
-        let to_left = free < at;
-        let between = if to_left { free + 1..at + 1 } else { at..free };
+        // Beyond the first and the last cell of a row all is outside.
+        let (mut left, mut right) = (column, column);
+        let (to_left, inside) = loop {
+            if left == 0 || is_free(left - 1) {
+                break (true, left > 0 && is_inside(left - 1));
+            }
+            left -= 1;
+            right += 1;
+            if right == columns || is_free(right) {
+                break (false, right < columns && is_inside(right));
+            }
+        };
+        let between = if to_left { left..column + 1 } else { column..right };
         // Whether the number of edges that are passed on the way there is odd. One that is in the cell before, too, came already.
         let mut odd = false;
         let mut before: &[u32] = &[];
-        for cell in between.start as usize..between.end as usize {
-            let items = self.items_in(cell..cell + 1);
+        for cell in between {
+            let items = self.items_in(first + cell..first + cell + 1);
             for i in items {
                 let Edge { a, b, .. } = self.edges[*i as usize];
                 let up = a.y <= p.y;
