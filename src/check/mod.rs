@@ -165,14 +165,19 @@ impl FaultFinder {
     /// Processes a line; `state`: what the machine has in mind after it. Its move is put where the machine makes it,
     /// whatever G92 calls places.
     pub fn check_line(&mut self, read: &mut Annotated<'_>, state: &State) {
-        let before = std::mem::replace(&mut self.position, state.position);
-        let retracted_mm = std::mem::replace(&mut self.retracted_mm, state.retracted_mm);
-        let firmware_retracted = std::mem::replace(&mut self.firmware_retracted, state.firmware_retracted);
-        let is_retracted = std::mem::replace(&mut self.is_retracted, state.is_retracted());
-        self.follow_zero(&read.line, before);
+        self.follow_zero(&read.line, state.position);
         if let Some(name) = read.line.comment.and_then(type_name) {
             self.in_script = name == b"Custom";
         }
+        self.judge(read, state);
+    }
+
+    /// The same of a line that does nothing but what its action is.
+    fn judge(&mut self, read: &mut Annotated<'_>, state: &State) {
+        self.position = state.position;
+        let retracted_mm = std::mem::replace(&mut self.retracted_mm, state.retracted_mm);
+        let firmware_retracted = std::mem::replace(&mut self.firmware_retracted, state.firmware_retracted);
+        let is_retracted = std::mem::replace(&mut self.is_retracted, state.is_retracted());
         if let Action::Stroke(stroke) = &mut read.action {
             let [x, y, z] = self.zero_mm;
             let by_mm = [x + self.offset_mm[0], y + self.offset_mm[1], z];
@@ -208,7 +213,7 @@ impl FaultFinder {
     }
 
     /// G92 gives positions other names; homing gives them their own again, or (G161, G162) leaves it to G92 to name them.
-    fn follow_zero(&mut self, line: &Line<'_>, before: [f64; 3]) {
+    fn follow_zero(&mut self, line: &Line<'_>, position: [f64; 3]) {
         if let Some(code) = line.code.filter(|code| code.letter == b'T') {
             let offset_mm = self.offsets_mm.get(code.number as usize).copied();
             self.offset_mm = offset_mm.unwrap_or(self.offset_mm);
@@ -218,7 +223,7 @@ impl FaultFinder {
                 if self.at_end[axis] && line.names(*letter) {
                     (self.zero_mm[axis], self.at_end[axis]) = (0.0, false);
                 } else {
-                    self.zero_mm[axis] += before[axis] - self.position[axis];
+                    self.zero_mm[axis] += self.position[axis] - position[axis];
                 }
             }
         } else if line.is(b'G', 28) {

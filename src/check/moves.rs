@@ -96,7 +96,7 @@ impl Checker {
         let stroke = state.make(to, arc, e_mm);
         let mut read = self.reader.take(stroke);
         read.line = read.line.placed(self.lines, self.bytes);
-        self.finder.check_line(&mut read, &self.reader.state);
+        self.finder.judge(&mut read, &self.reader.state);
     }
 }
 

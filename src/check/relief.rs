@@ -27,18 +27,17 @@ impl Tops {
         held_mm.map_or(f64::NEG_INFINITY, |&top_mm| f64::from(top_mm))
     }
 
-    fn raise(&mut self, cell: usize, z_mm: f64) {
-        if cell.wrapping_sub(self.first) >= self.held_mm.len() {
-            self.hold(cell);
+    fn raise(&mut self, cell: usize, z_mm: f32) {
+        match self.held_mm.get_mut(cell.wrapping_sub(self.first)) {
+            // Without a branch, which would be taken at random.
+            Some(top_mm) => *top_mm = real::greater(z_mm, *top_mm),
+            None => self.hold(cell, z_mm),
         }
-        // Without a branch, which would be taken at random.
-        let top_mm = &mut self.held_mm[cell - self.first];
-        *top_mm = top_mm.max(z_mm as f32);
     }
 
-    /// Holds a cell, and beyond it half as many as there are, so that this is seldom done.
+    /// Holds one more cell, and beyond it half as many as there are, so that this is seldom done.
     #[cold]
-    fn hold(&mut self, cell: usize) {
+    fn hold(&mut self, cell: usize, z_mm: f32) {
         let more = self.held_mm.len() / 2;
         if self.held_mm.is_empty() {
             self.first = cell;
@@ -50,6 +49,7 @@ impl Tops {
         } else {
             self.held_mm.resize(cell - self.first + more + 1, f32::NEG_INFINITY);
         }
+        self.raise(cell, z_mm);
     }
 }
 
@@ -110,7 +110,7 @@ impl Relief {
 
     /// Raises a cell.
     pub fn raise_cell(&mut self, cell: usize, z_mm: f64) {
-        self.tops.raise(cell, z_mm);
+        self.tops.raise(cell, z_mm as f32);
         self.highest_mm = self.highest_mm.max(z_mm);
     }
 
@@ -197,7 +197,7 @@ impl Relief {
     /// Raises the cell at a position.
     fn raise(&mut self, at: [f64; 3]) {
         if let Some(index) = self.index(at) {
-            self.tops.raise(index, at[2]);
+            self.tops.raise(index, at[2] as f32);
         }
     }
 
@@ -215,19 +215,19 @@ impl Relief {
         let count = self.samples(bead);
         match self.cell_at(bead.from).zip(self.cell_at(bead.to)) {
             Some((from, to)) if bead.arc.is_none() && bead.from[2] == bead.to[2] => {
-                self.raise_between(from, to, count, highest_mm);
+                self.raise_between(from, to, count, highest_mm as f32);
             }
             _ => (0..=count).for_each(|i| self.raise(bead.at(f64::from(i) / f64::from(count)))),
         }
     }
 
     /// Raises the cells at both ends of a line, columns and rows, and at `count` − 1 positions between, to one height.
-    fn raise_between(&mut self, from: [f64; 2], to: [f64; 2], count: u32, z_mm: f64) {
+    fn raise_between(&mut self, from: [f64; 2], to: [f64; 2], count: u32, z_mm: f32) {
         // Fixed point; what is cut off keeps steps between the ends.
         const ONE: f64 = (1_u64 << FRACTION) as f64;
         let mut at = from.map(|cells| (cells * ONE) as i64);
         let step = [0, 1].map(|axis| ((to[axis] - from[axis]) * ONE / f64::from(count)) as i64);
-        for _ in 0..=count {
+        for _ in 0..count + 1 {
             let [column, row] = at.map(|cells| (cells >> FRACTION) as usize);
             self.tops.raise(row * self.columns + column, z_mm);
             at = [at[0] + step[0], at[1] + step[1]];
@@ -237,7 +237,7 @@ impl Relief {
     /// Raises all cells under a bead.
     pub fn paint(&mut self, bead: &Stroke, width_mm: f64) {
         let mut tops = std::mem::take(&mut self.tops);
-        self.each_cell(bead, width_mm + OVER * self.cell_mm, |cell, z_mm| tops.raise(cell, z_mm));
+        self.each_cell(bead, width_mm + OVER * self.cell_mm, |cell, z_mm| tops.raise(cell, z_mm as f32));
         self.tops = tops;
         self.highest_mm = self.highest_mm.max(bead.from[2]).max(bead.to[2]);
     }

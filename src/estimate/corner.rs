@@ -59,14 +59,20 @@ impl Machine {
                 speed = speed.min(self.max_speed[0]);
             }
         }
-        let limits = || self.max_speed[first..last].iter().zip(&self.max_acceleration[first..last]);
-        let within = |(part, (max_speed, max_acceleration)): (&f64, (&f64, &f64))| {
-            speed * part.abs() <= *max_speed && acceleration * part.abs() <= *max_acceleration
+        let is_within = |axis: &usize| {
+            let share = unit[*axis].abs();
+            speed * share <= self.max_speed[*axis] && acceleration * share <= self.max_acceleration[*axis]
         };
-        if unit[first..last].iter().zip(limits()).all(within) {
+        let is_free = if klipper {
+            (first..last).all(|axis| is_within(&axis))
+        } else {
+            [0, 1, 2, 3].iter().all(is_within)
+        };
+        if is_free {
             return (speed, acceleration);
         }
-        for (part, (&max_speed, &max_acceleration)) in unit[first..last].iter().zip(limits()) {
+        let limits = self.max_speed[first..last].iter().zip(&self.max_acceleration[first..last]);
+        for (part, (&max_speed, &max_acceleration)) in unit[first..last].iter().zip(limits) {
             let share = part.abs();
             if speed * share > max_speed {
                 speed = max_speed / share;

@@ -39,7 +39,77 @@ pub(crate) fn push_number(out: &mut Vec<u8>, ticks: i64, decimals: u32) {
 
 /// Appends a space, the letter and the number.
 pub(super) fn push_word(out: &mut Vec<u8>, letter: u8, ticks: i64, decimals: u32) {
-    push(out, [b' ', letter], ticks, decimals, false);
+    match (decimals, ticks.unsigned_abs()) {
+        (3, size @ 1..1_000_000) => push_short(out, letter, ticks < 0, Digits::of_3(size as u32)),
+        (5, size @ 1..100_000_000) => push_short(out, letter, ticks < 0, Digits::of_5(size as u32)),
+        _ => push(out, [b' ', letter], ticks, decimals, false),
+    }
+}
+
+/// Digits of a number below 1000 that is not 0: most coordinates and amounts of filament.
+struct Digits {
+    /// In the order of a little-endian word: three before the point, the point, and those behind it.
+    text: u128,
+    /// How many of them are zeros before any other, or behind all others.
+    leading: u32,
+    trailing: u32,
+    /// How many there are behind the point.
+    behind: u32,
+}
+
+impl Digits {
+    /// A number with 3 decimals.
+    #[inline]
+    fn of_3(size: u32) -> Self {
+        let [whole, fraction] = [size / 1000, size % 1000];
+        let (fraction, zeros) = triple(fraction);
+        Self {
+            text: u128::from(before_point(whole) | fraction << 32),
+            leading: leading(whole),
+            trailing: zeros,
+            behind: 3,
+        }
+    }
+
+    /// A number with 5 decimals.
+    #[inline]
+    fn of_5(size: u32) -> Self {
+        let [whole, high, low] = [size / 100_000, size / 1000 % 100, size % 1000];
+        let ((high, high_zeros), (low, low_zeros)) = (triple(high), triple(low));
+        let text = u128::from(before_point(whole) | high >> 8 << 32) | u128::from(low) << 48;
+        let trailing = if low_zeros == 3 { 3 + high_zeros.min(2) } else { low_zeros };
+        Self { text, leading: leading(whole), trailing, behind: 5 }
+    }
+}
+
+/// Three digits, and how many zeros they end in.
+#[inline]
+fn triple(number: u32) -> (u64, u32) {
+    let triple = u32::from_le_bytes(TRIPLES[number as usize]);
+    (u64::from(triple & 0xFF_FFFF), triple >> 24)
+}
+
+#[inline]
+fn before_point(whole: u32) -> u64 {
+    triple(whole).0 | u64::from(b'.') << 24
+}
+
+#[inline]
+fn leading(whole: u32) -> u32 {
+    u32::from(whole < 100) + u32::from(whole < 10) + u32::from(whole == 0)
+}
+
+/// Appends a space, the letter and a number without calls: in so many bytes there is room for all.
+#[inline]
+fn push_short(out: &mut Vec<u8>, letter: u8, is_negative: bool, digits: Digits) {
+    let Digits { text, leading, trailing, behind } = digits;
+    let head = u32::from_le_bytes([b' ', letter, b'-', 0]);
+    let (head, head_bits) = if is_negative { (head, 24) } else { (head & 0xFFFF, 16) };
+    let count = 3 - leading + behind - trailing + u32::from(trailing < behind);
+    let length = out.len() + (head_bits / 8 + count) as usize;
+    let text = u128::from(head) | text >> (8 * leading) << head_bits;
+    out.extend_from_slice(&text.to_le_bytes());
+    out.truncate(length);
 }
 
 /// Appends what comes before a number, and the number, at once.
