@@ -11,8 +11,7 @@ use super::spec::{Chord, FillSpec, Joins, LineSet};
 pub fn sets(spec: &FillSpec, rotation_rad: f64, phases_mm: &[f64]) -> Vec<LineSet> {
     let distance_mm = phases_mm.len() as f64 * spec.line_distance_mm;
     let set = |(k, &phase_mm): (usize, &f64)| {
-        let angle_rad = spec.angle_rad + k as f64 * rotation_rad;
-        LineSet { angle_rad, distance_mm, phase_mm }
+        LineSet::new(spec.angle_rad + k as f64 * rotation_rad, distance_mm, phase_mm)
     };
     phases_mm.iter().enumerate().map(set).collect()
 }
@@ -25,7 +24,7 @@ pub fn parallel(
     phase_mm: f64,
     joins: &Joins,
 ) -> Vec<Line> {
-    lay(region, &[LineSet { angle_rad, distance_mm, phase_mm }], joins)
+    lay(region, &[LineSet::new(angle_rad, distance_mm, phase_mm)], joins)
 }
 
 /// The lines of sets through a region, their ends treated as `joins` says. A line may continue in one of another set, whose

@@ -127,7 +127,7 @@ pub fn fill(region: &Region, spec: &SolidSpec) -> Vec<SolidPatch> {
                 reach_mm,
                 turn_reach_mm: spec.turn_reach * reach_mm,
                 anchor_mm: 0.0,
-                hatch: spec.capped.then_some(LineSet { angle_rad, distance_mm: fitted_mm, phase_mm }),
+                hatch: spec.capped.then(|| LineSet::new(angle_rad, fitted_mm, phase_mm)),
             };
             let first_of = |line: &Line| {
                 let (first_mm, _) = direction.extent_mm(&line.points);

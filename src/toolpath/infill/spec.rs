@@ -44,6 +44,7 @@ impl FillSpec {
 pub struct LineSet {
     /// Their direction, radians from the X axis.
     pub angle_rad: f64,
+    direction: Direction,
     /// Their distance in millimetres.
     pub distance_mm: f64,
     /// See above.
@@ -51,14 +52,19 @@ pub struct LineSet {
 }
 
 impl LineSet {
+    /// Lines at an angle.
+    pub fn new(angle_rad: f64, distance_mm: f64, phase_mm: f64) -> Self {
+        Self { angle_rad, direction: Direction::of(angle_rad), distance_mm, phase_mm }
+    }
+
     /// The direction that they run in.
     pub fn direction(&self) -> Direction {
-        Direction::of(self.angle_rad)
+        self.direction
     }
 
     /// How many lines a position is away from line 0, along the normal.
     pub fn lines_to(&self, point: Point) -> f64 {
-        (self.direction().across_mm(point) - self.phase_mm) / self.distance_mm
+        (self.direction.across_mm(point) - self.phase_mm) / self.distance_mm
     }
 }
 
