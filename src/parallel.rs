@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
-use self::cpus::Cpus;
+use self::cpus::{Cpus, few, spread};
 use crate::observer::Observer;
 
 /// The panic payload of a cancelled run.
@@ -73,29 +73,32 @@ fn in_pool() -> bool {
     HAS_THREADS && rayon::current_thread_index().is_some()
 }
 
-/// Makes the calling thread one of so many (0: as many as `RAYON_NUM_THREADS` says, or else the machine has cores) that work
-/// together from now on. Nothing happens where it is one of some already, or the system has no threads to give.
+/// Makes the calling thread, the only one of its process, one of so many (0: as many as `RAYON_NUM_THREADS` says, or else the
+/// machine has cores) that work together from now on. Nothing happens where it is one of some already, or the system has no
+/// threads to give.
 #[cfg_attr(
     not(feature = "cli"),
     expect(dead_code, reason = "what else there is leaves threads to its caller")
 )]
 pub(crate) fn take_part(threads: usize) {
     if HAS_THREADS && !in_pool() {
-        let cpus = Arc::new(Cpus::default());
-        cpus.begin();
-        let Ok(pool) = start(threads, &cpus, ThreadPoolBuilder::use_current_thread) else { return };
+        let is_open = threads == 0 && NUMBERS.iter().all(|name| std::env::var_os(name).is_none());
+        let count = if is_open { few().unwrap_or(0) } else { threads };
+        let builder = ThreadPoolBuilder::new().num_threads(count).use_current_thread();
+        let Ok(pool) = builder.build() else { return };
+        spread();
         ONE_OF.set(Some(threads));
         // They end with the program.
         std::mem::forget(pool);
     }
 }
 
+/// What rayon takes the number of threads from.
+const NUMBERS: [&str; 2] = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"];
+
 /// Starts workers on CPUs of their own, where they are before they do anything else: memory that they touch takes its time.
-fn start(
-    threads: usize,
-    cpus: &Arc<Cpus>,
-    build: impl FnOnce(ThreadPoolBuilder) -> ThreadPoolBuilder,
-) -> Result<ThreadPool, ThreadPoolBuildError> {
+fn start(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+    let cpus = Arc::new(Cpus::default());
     let spawn = |worker: ThreadBuilder| {
         let cpus = cpus.clone();
         let begin = move || {
@@ -104,7 +107,7 @@ fn start(
         };
         thread::Builder::new().spawn(begin).map(|_| ())
     };
-    let pool = build(ThreadPoolBuilder::new().num_threads(threads)).spawn_handler(spawn).build()?;
+    let pool = ThreadPoolBuilder::new().num_threads(threads).spawn_handler(spawn).build()?;
     // Those that are on this thread's CPU need it to leave it; to wake a thread that sleeps takes longer than they do.
     let until = Instant::now() + BEGINNING;
     while cpus.begun() < pool.current_num_threads() && Instant::now() < until {
@@ -132,8 +135,7 @@ pub(crate) fn run<T: Send>(
 ) -> Option<T> {
     let work = || work(Workers { observer });
     let threads = threads.filter(|_| HAS_THREADS && threads != ONE_OF.get());
-    let pool = |n| start(n, &Arc::default(), |builder| builder);
-    let attempt = || match threads.map(pool) {
+    let attempt = || match threads.map(start) {
         Some(Ok(pool)) => pool.install(work),
         // Where the system has no threads to give, the caller does the work.
         Some(Err(_)) | None => work(),

@@ -50,6 +50,8 @@ use crate::system;
 /// Runs the program with these arguments (its name first) and reports to standard output and standard error.
 pub fn run(args: impl IntoIterator<Item = OsString>, engine: &dyn Engine) -> Exit {
     limits::watch_memory(system::memory::available_bytes);
+    let args: Vec<OsString> = args.into_iter().collect();
+    slice::begin(&args);
     let args = match Arguments::try_parse_from(args) {
         Ok(args) => args,
         Err(message) => {

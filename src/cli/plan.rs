@@ -247,7 +247,8 @@ pub(super) fn plate(
     let settings = match known {
         Some(settings) => settings,
         None => {
-            let resolve = || sources.resolve(&[]);
+            let assignments = sources.named.read(&[]);
+            let resolve = || sources.named.resolved(assignments);
             let read = || JobModel::read_small(&mut models);
             let (settings, ()) = parallel::join(resolve, read);
             Arc::new(settings?)

@@ -1,5 +1,6 @@
 //! `pathwright slice`.
 
+use std::ffi::OsString;
 use std::io::Write;
 #[cfg(feature = "send")]
 use std::path::Path;
@@ -20,14 +21,22 @@ use crate::parallel;
 use crate::profile::{Resolved, binary_metadata};
 use crate::report::Summary;
 
+/// Begins what a slicing needs while its arguments, of which the first is the program, are read: workers, and another thread's
+/// listening for interrupts. Nothing if they are not a slicing's, or may say how many workers there are.
+pub(super) fn begin(args: &[OsString]) {
+    let is_slicing = args.get(1).is_some_and(|command| command == "slice");
+    if is_slicing && !args.iter().any(|arg| arg.as_encoded_bytes().starts_with(b"--threads")) {
+        parallel::take_part(0);
+        parallel::aside(interrupt::listen);
+    }
+}
+
 /// Slices plate by plate. One that fails does not keep the others from being sliced; the exit code is that of the
 /// first one that failed.
 pub(super) fn run(args: &SliceArgs, engine: &dyn Engine) -> Result<Exit, Failure> {
     let watch = Watch::start(&args.limits, args.json)?;
     parallel::take_part(args.threads.map_or(0, Into::into));
     let plan = Plan::new(args)?;
-    // On another thread's CPU, if one takes it up before it is needed.
-    parallel::aside(interrupt::listen);
     if args.json && plan.tasks.iter().any(|task| task.destination == Destination::Stdout) {
         return Err(usage("--json and the G-code both want standard output; give -o a file"));
     }

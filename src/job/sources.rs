@@ -9,8 +9,8 @@ use super::objects::ObjectSettings;
 use super::project::Project;
 use crate::presets::{Chosen, Library};
 use crate::profile::{
-    Layer, Origin, Override, Problem, ProfileError, Resolved, Settings, dump_toml, embedded, preset_notes,
-    resolve_layers,
+    Assignments, Layer, Origin, Override, Problem, ProfileError, Resolved, Settings, dump_toml, embedded,
+    preset_notes,
 };
 
 /// Where the settings of a run are from: presets, profiles on top of them, single settings on top of these.
@@ -30,7 +30,17 @@ impl Sources {
     /// # Errors
     /// Every problem of every source at once.
     pub fn resolve(&self, more: &[Override]) -> Result<Resolved, ProfileError> {
-        let mut resolved = resolve_layers(self.layers().into_iter().chain(more.iter().map(Layer::Override)))?;
+        self.resolved(self.read(more))
+    }
+
+    /// What is written in them, and more on top: the first half of [`Sources::resolve`].
+    pub(crate) fn read(&self, more: &[Override]) -> Assignments {
+        Assignments::read(self.layers().into_iter().chain(more.iter().map(Layer::Override)))
+    }
+
+    /// What that comes to: the other half.
+    pub(crate) fn resolved(&self, read: Assignments) -> Result<Resolved, ProfileError> {
+        let mut resolved = read.resolved()?;
         resolved.warnings.splice(0..0, self.presets.as_ref().map(preset_notes).unwrap_or_default());
         Ok(resolved)
     }

@@ -6,6 +6,7 @@
 
 #[cfg(all(feature = "system", target_os = "linux"))]
 mod system {
+    use std::fs;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -46,17 +47,49 @@ mod system {
 
         /// Keeps each of them off the CPUs of the others from now on, so that two do not share one.
         pub fn keep_apart(&self) {
-            let workers = self.workers();
-            for worker in workers.iter().filter(|worker| worker.own.is_some()) {
-                let others = workers.iter().filter(|other| other.thread != worker.thread);
-                // One that may not stays where the system puts it.
-                let _ =
-                    without(&worker.allowed, others).and_then(|own| sched_setaffinity(worker.thread, &own));
-            }
+            keep_apart(&self.workers());
         }
 
         fn workers(&self) -> MutexGuard<'_, Vec<Worker>> {
             self.workers.lock().unwrap_or_else(PoisonError::into_inner)
+        }
+    }
+
+    /// How many CPUs the calling thread may use, if so few that its process's share of their time does not matter: that takes as
+    /// long to read as a thread to start.
+    pub fn few() -> Option<usize> {
+        const FEW: usize = 2;
+        let allowed = sched_getaffinity(gettid()).ok()?;
+        let cpus = (0..CpuSet::count()).filter(|&cpu| allowed.is_set(cpu) == Ok(true));
+        Some(cpus.take(FEW + 1).count()).filter(|&count| count <= FEW)
+    }
+
+    /// Moves the calling thread's process apart: it stays where it is, and each other thread gets a CPU of its own, as long as there
+    /// are any. They need not have begun.
+    pub fn spread() {
+        // Without the list each begins where the system lets it, and so where one may not choose.
+        let threads = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+        let ids = threads.filter_map(|thread| thread.file_name().to_str()?.parse().ok());
+        let this = gettid();
+        let _ = place(this, ids.map(Pid::from_raw).filter(|thread| *thread != this));
+    }
+
+    fn place(this: Pid, others: impl Iterator<Item = Pid>) -> nix::Result<()> {
+        let (allowed, own) = (sched_getaffinity(this)?, sched_getcpu()?);
+        let free = (0..CpuSet::count()).filter(|&cpu| cpu != own && allowed.is_set(cpu) == Ok(true));
+        let others = others.zip(free).chain([(this, own)]);
+        let workers: Vec<Worker> =
+            others.map(|(thread, cpu)| Worker { thread, allowed, own: Some(cpu) }).collect();
+        keep_apart(&workers);
+        Ok(())
+    }
+
+    /// Keeps each off the CPUs of the others.
+    fn keep_apart(workers: &[Worker]) {
+        for worker in workers.iter().filter(|worker| worker.own.is_some()) {
+            let others = workers.iter().filter(|other| other.thread != worker.thread);
+            // One that may not stays where the system puts it.
+            let _ = without(&worker.allowed, others).and_then(|own| sched_setaffinity(worker.thread, &own));
         }
     }
 
@@ -126,6 +159,41 @@ mod system {
                 assert_eq!(used.len(), all, "{runs_on:?}");
             }
         }
+
+        #[test]
+        fn threads_are_put_on_cpus_that_no_other_has_by_the_one_that_starts_them() {
+            let all = allowed();
+            let others = Mutex::new(Vec::new());
+            let [begun, placed, done] = [(); 3].map(|()| Barrier::new(all.len() + 1));
+            let wait = || {
+                placed.wait();
+                let runs_on = allowed();
+                done.wait();
+                runs_on
+            };
+            let work = || {
+                others.lock().unwrap().push(gettid());
+                begun.wait();
+                wait()
+            };
+            // The one that places them has a thread of its own, as it is kept in its place, too.
+            let places = || {
+                begun.wait();
+                place(gettid(), others.lock().unwrap().drain(..)).unwrap();
+                wait()
+            };
+            let mut runs_on: Vec<Vec<usize>> = thread::scope(|scope| {
+                let others: Vec<_> = all.iter().map(|_| scope.spawn(work)).collect();
+                let own = scope.spawn(places).join().unwrap();
+                others.into_iter().map(|other| other.join().unwrap()).chain([own]).collect()
+            });
+            // One more than there are CPUs may use all.
+            let free = runs_on.iter().position(|cpus| *cpus == all).unwrap();
+            runs_on.remove(free);
+            assert!(runs_on.iter().all(|cpus| cpus.len() == 1), "{runs_on:?}");
+            let used: BTreeSet<usize> = runs_on.concat().into_iter().collect();
+            assert_eq!(used.len(), all.len());
+        }
     }
 }
 
@@ -147,6 +215,14 @@ mod system {
             usize::MAX
         }
     }
+
+    /// Not known.
+    pub fn few() -> Option<usize> {
+        None
+    }
+
+    /// Nothing.
+    pub fn spread() {}
 }
 
-pub(super) use system::Cpus;
+pub(super) use system::{Cpus, few, spread};

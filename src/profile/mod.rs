@@ -31,7 +31,7 @@ pub use embedded::{EMBEDDED, EmbeddedProfile, ProfileKind, find as embedded};
 pub use error::{Origin, Problem, ProfileError};
 pub use import::{Import, KeyFigures, Left, Taken, import_figures, import_page};
 pub use metadata::binary_metadata;
-pub(crate) use resolve::{Layer, resolve_layers};
+pub(crate) use resolve::{Assignments, Layer, resolve_layers};
 pub use resolve::{Override, Resolved, resolve, resolve_presets};
 pub(crate) use saved::Refused;
 pub use schema::{field, keys};

@@ -97,20 +97,44 @@ pub fn resolve_presets(
 pub(crate) fn resolve_layers<'a>(
     layers: impl IntoIterator<Item = Layer<'a>> + Send,
 ) -> Result<Resolved, ProfileError> {
-    let default = [Layer::Embedded(embedded::DEFAULT)];
-    let (default, own) = parallel::join(|| read_layers(default), || read_layers(layers));
-    // What has another value in the end need not be looked at.
-    let others: FxHashSet<String> = own.assignments.iter().map(|assignment| assignment.key.clone()).collect();
-    let kept = default.assignments.into_iter().filter(|assignment| !others.contains(&assignment.key));
-    let assignments = kept.chain(own.assignments);
-    let mut problems = [default.problems, own.problems].concat();
-    let Assigned { settings, origins, warnings } =
-        assigned(Settings::of_stages(), assignments, &mut problems);
-    if problems.is_empty() {
-        let warnings = own.notes.into_iter().chain(warnings).collect();
-        Ok(Resolved { settings, origins, warnings })
-    } else {
-        Err(ProfileError { problems })
+    Assignments::read(layers).resolved()
+}
+
+/// What layers assign on top of the default profile, as it is written.
+pub(crate) struct Assignments {
+    default: Reader,
+    own: Reader,
+}
+
+impl Assignments {
+    /// Reads the layers, the later ones over the earlier ones.
+    pub fn read<'a>(layers: impl IntoIterator<Item = Layer<'a>> + Send) -> Self {
+        let default = [Layer::Embedded(embedded::DEFAULT)];
+        let (own, default) = parallel::join(|| read_layers(layers), || read_layers(default));
+        Self { default, own }
+    }
+
+    /// What they come to.
+    ///
+    /// # Errors
+    /// As [`resolve`].
+    pub fn resolved(self) -> Result<Resolved, ProfileError> {
+        let Self { default, own } = self;
+        // What has another value in the end need not be looked at.
+        let others: FxHashSet<&str> =
+            own.assignments.iter().map(|assignment| assignment.key.as_str()).collect();
+        let is_kept = |assignment: &Assignment| !others.contains(assignment.key.as_str());
+        let kept: Vec<Assignment> = default.assignments.into_iter().filter(is_kept).collect();
+        let assignments = kept.into_iter().chain(own.assignments);
+        let mut problems = [default.problems, own.problems].concat();
+        let Assigned { settings, origins, warnings } =
+            assigned(Settings::of_stages(), assignments, &mut problems);
+        if problems.is_empty() {
+            let warnings = own.notes.into_iter().chain(warnings).collect();
+            Ok(Resolved { settings, origins, warnings })
+        } else {
+            Err(ProfileError { problems })
+        }
     }
 }
 
@@ -162,6 +186,7 @@ fn assigned(
     // Of a setting that was written several times, the last place counts.
     let mut origins: Vec<(String, Origin)> = Vec::new();
     let mut refused = Vec::new();
+    let mut has_variables = !settings.variables.is_empty();
     for Assignment { key, value, origin } in assignments {
         if problems.len() >= limits::PROFILE_PROBLEMS {
             let message = format!("only the first {} problems are listed", limits::PROFILE_PROBLEMS);
@@ -175,7 +200,9 @@ fn assigned(
                     tools_up_to(&mut table, tool);
                 } else if let Ok((tool, own)) = tools::split(&key) {
                     assign_to_tool(&mut table, tool, &own, value);
-                    forget_variables(&mut table, &own);
+                    if has_variables {
+                        forget_variables(&mut table, &own);
+                    }
                     origins.push((format!("{}{}.{own}", tools::TOOLS, tool + 1), origin));
                 }
             }
@@ -185,7 +212,10 @@ fn assigned(
                 {
                     section.insert(name.to_owned(), value);
                 }
-                forget_variables(&mut table, &key);
+                has_variables |= key.starts_with("variables.");
+                if has_variables {
+                    forget_variables(&mut table, &key);
+                }
                 origins.push((key, origin));
             }
             Err(message) => {
@@ -232,9 +262,7 @@ fn assign_to_tool(table: &mut Table, tool: usize, key: &str, value: Value) {
 
 /// Leaves out the variables that mean a setting which has a new value.
 fn forget_variables(table: &mut Table, key: &str) {
-    if let Some(Value::Table(variables)) = table.get_mut("variables")
-        && !variables.is_empty()
-    {
+    if let Some(Value::Table(variables)) = table.get_mut("variables") {
         for (name, _) in setting_names().filter(|(_, of)| *of == key) {
             variables.remove(name);
         }

@@ -176,7 +176,7 @@ impl Reader {
             match value {
                 Value::Table(keys) => {
                     for (key, value) in keys {
-                        self.assign(format!("{section}.{key}"), value, origin);
+                        self.assign([&section, ".", &key].concat(), value, origin);
                     }
                 }
                 value => self.assign(section, value, origin),
