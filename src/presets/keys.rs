@@ -41,7 +41,7 @@ pub fn key_type(name: &str) -> Option<Type> {
 }
 
 /// Keys that older presets have, which PrusaSlicer does not read any more.
-pub(super) const FORGOTTEN: &[&str] = &[
+pub(super) static FORGOTTEN: &[&str] = &[
     "brim_inside_holes",
     "clip_multipart_objects",
     "dynamic_overhang_speeds",
@@ -63,7 +63,7 @@ pub(super) const FORGOTTEN: &[&str] = &[
 ];
 
 /// Words of older presets for what is now one of several: key, as written, as it is meant.
-pub(super) const RENAMED: &[(&str, &str, &str)] = &[
+pub(super) static RENAMED: &[(&str, &str, &str)] = &[
     ("draft_shield", "0", "disabled"),
     ("draft_shield", "1", "enabled"),
     ("ensure_vertical_shell_thickness", "0", "partial"),
@@ -73,7 +73,7 @@ pub(super) const RENAMED: &[(&str, &str, &str)] = &[
 ];
 
 /// Keys of QIDISlicer that scripts of its presets read, in the order of their names.
-const QIDI: &[Key] = &[
+static QIDI: &[Key] = &[
     each("advance_pressure", Real, "0.02"),
     each("box_temperature", Integer, "0"),
     one("box_temperature_control", Flag, "0"),
@@ -84,7 +84,7 @@ const QIDI: &[Key] = &[
 ];
 
 /// In the order of their names.
-pub(super) const KEYS: &[Key] = &[
+pub(super) static KEYS: &[Key] = &[
     one("arc_fitting", Choice, "disabled"),
     one("autoemit_temperature_commands", Flag, "1"),
     one("automatic_extrusion_widths", Flag, "0"),

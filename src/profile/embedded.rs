@@ -50,7 +50,7 @@ pub const DEFAULT: &str = "default";
 macro_rules! embedded {
     ($($kind:ident: $($name:literal)*;)*) => {
         /// Every embedded profile, by kind.
-        pub const EMBEDDED: &[EmbeddedProfile] = &[$($(EmbeddedProfile {
+        pub static EMBEDDED: &[EmbeddedProfile] = &[$($(EmbeddedProfile {
             name: $name,
             kind: ProfileKind::$kind,
             text: include_str!(concat!("../../profiles/", $name, ".toml")),

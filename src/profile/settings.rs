@@ -60,7 +60,7 @@ macro_rules! settings {
         }
 
         /// Every section with its keys, in the order of the documentation.
-        pub const SECTIONS: &[Section] = &[$(Section {
+        pub static SECTIONS: &[Section] = &[$(Section {
             name: stringify!($section),
             doc: $ty::DOC,
             fields: $ty::FIELDS,

@@ -181,7 +181,7 @@ impl Instance {
 }
 
 /// What materials call settings, and what definitions do.
-const MATERIAL: &[(&str, &str)] = &[
+static MATERIAL: &[(&str, &str)] = &[
     ("print temperature", "default_material_print_temperature"),
     ("heated bed temperature", "default_material_bed_temperature"),
     ("standby temperature", "material_standby_temperature"),

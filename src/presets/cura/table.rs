@@ -27,7 +27,7 @@ pub(super) enum Rule {
 use Rule::Same;
 
 /// Their setting, PrusaSlicer's key, and how it is said.
-pub(super) const TABLE: &[(&str, &str, Rule)] = &[
+pub(super) static TABLE: &[(&str, &str, Rule)] = &[
     ("ooze_shield_enabled", "ooze_shield", Flag),
     ("ooze_shield_dist", "ooze_shield_distance", Same),
     ("machine_name", "printer_model", By(|s| Some(escaped(&s.text("machine_name"))))),
@@ -204,7 +204,7 @@ pub(super) const TABLE: &[(&str, &str, Rule)] = &[
     ("support_xy_distance", "support_material_xy_spacing", Same),
 ];
 
-const FLAVORS: &[(&str, &str)] = &[
+static FLAVORS: &[(&str, &str)] = &[
     ("RepRap (Marlin/Sprinter)", "marlin"),
     ("Marlin", "marlin"),
     ("RepRap (RepRap)", "reprapfirmware"),
@@ -212,7 +212,7 @@ const FLAVORS: &[(&str, &str)] = &[
     ("Griffin", "griffin"),
 ];
 
-const PATTERNS: &[(&str, &str)] = &[
+static PATTERNS: &[(&str, &str)] = &[
     ("lines", "rectilinear"),
     ("zigzag", "rectilinear"),
     ("trihexagon", "stars"),
@@ -363,7 +363,7 @@ pub(super) fn said(rule: &Rule, key: &str, stack: &Stack) -> Option<String> {
 }
 
 /// Settings that others among these say already, or that do not concern the print.
-pub(super) const IDLE: &[&str] = &[
+pub(super) static IDLE: &[&str] = &[
     "acceleration_enabled",
     "adhesion_type",
     "bridge_settings_enabled",

@@ -63,7 +63,7 @@ pub(super) fn built_in(name: &str) -> Option<(Type, &'static str)> {
 }
 
 /// Names that presets carry about themselves.
-pub(super) const ABOUT: &[&str] = &[
+pub(super) static ABOUT: &[&str] = &[
     "base_id",
     "description",
     "filament_id",
@@ -106,7 +106,7 @@ pub(super) const ABOUT: &[&str] = &[
 ];
 
 /// In the order of their names.
-pub(super) const KEYS: &[Key] = &[
+pub(super) static KEYS: &[Key] = &[
     one("accel_to_decel_enable", Flag, "1", Own),
     one("accel_to_decel_factor", Percent, "50%", Under("accel_to_decel_enable")),
     each("activate_air_filtration", Flag, "0", Own),

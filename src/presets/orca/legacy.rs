@@ -1,7 +1,7 @@
 //! Names and words of older presets.
 
 /// Names of older presets, and what they are called now; empty: not read any more.
-pub(super) const RENAMED: &[(&str, &str)] = &[
+pub(super) static RENAMED: &[(&str, &str)] = &[
     ("adaptive_layer_height", ""),
     ("bed_temperature", ""),
     ("bed_temperature_difference", ""),
@@ -54,7 +54,7 @@ pub(super) const RENAMED: &[(&str, &str)] = &[
 ];
 
 /// Keys whose percentages are of older presets, and not read any more.
-pub(super) const ABSOLUTE: &[&str] = &[
+pub(super) static ABSOLUTE: &[&str] = &[
     "initial_layer_print_height",
     "initial_layer_speed",
     "internal_solid_infill_speed",
@@ -65,7 +65,7 @@ pub(super) const ABSOLUTE: &[&str] = &[
 ];
 
 /// Words of older presets for what is said otherwise now: key, as written, as it is meant.
-pub(super) const REWORDED: &[(&str, &str, &str)] = &[
+pub(super) static REWORDED: &[(&str, &str, &str)] = &[
     ("overhang_fan_threshold", "5%", "10%"),
     ("support_base_pattern", "none", "hollow"),
     ("support_type", "hybrid(auto)", "tree(auto)"),

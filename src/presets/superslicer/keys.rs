@@ -24,7 +24,7 @@ fn is_prusas(name: &str) -> bool {
 }
 
 /// Keys that PrusaSlicer has and SuperSlicer has not; `*` stands for any end.
-const PRUSAS: &[&str] = &[
+static PRUSAS: &[&str] = &[
     "autoemit_temperature_commands",
     "automatic_*",
     "avoid_crossing_curled_overhangs",
@@ -75,7 +75,7 @@ const PRUSAS: &[&str] = &[
 ];
 
 /// In the order of their names.
-const OWN: &[Key] = &[
+static OWN: &[Key] = &[
     one("allow_empty_layers", Flag, "0"),
     one("arc_fitting", Flag, "0"),
     one("arc_fitting_tolerance", RealOrPercent, "5%"),

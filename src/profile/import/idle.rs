@@ -19,7 +19,7 @@ pub(super) enum Idle {
 use Idle::{Always, At, OneTool, While, Without};
 
 /// Keys without a row that need not be reported, and when: where one of their entries holds. `*` stands for any end.
-pub(super) const IDLE: &[(&str, Idle)] = &[
+pub(super) static IDLE: &[(&str, Idle)] = &[
     ("inherits*", Always),
     ("compatible_*", Always),
     ("renamed_from", Always),
@@ -160,7 +160,7 @@ pub(super) const IDLE: &[(&str, Idle)] = &[
 ];
 
 /// Why what has neither a row nor an idle value is not taken over; the first that fits holds.
-pub(super) const REASONS: &[(&str, &str)] = &[
+pub(super) static REASONS: &[(&str, &str)] = &[
     ("arc_fitting_*", "arcs leave the path by `gcode.arc_tolerance`"),
     ("automatic_extrusion_widths", "widths are as given"),
     ("automatic_infill_combination*", "`infill.combine_layers` counts layers"),

@@ -39,7 +39,7 @@ const FIRST_IS_OWN: &str = "of several extruders; the first is the object's own"
 const SPACING: &str = "from the free distance of the lines";
 
 /// Every setting that is taken over.
-pub(super) const ROWS: &[Row] = &[
+pub(super) static ROWS: &[Row] = &[
     same("printer.name", &["printer_settings_id", "printer_model"]),
     with(
         "printer.flavor",

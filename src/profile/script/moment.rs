@@ -248,7 +248,7 @@ fn short_time(seconds: f64) -> String {
 macro_rules! names {
     ($($name:literal, $doc:literal: $value:expr;)*) => {
         /// Every name that scripts have for the print and its progress, with its meaning.
-        pub const PRINT_NAMES: &[(&str, &str)] = &[$(($name, $doc),)*];
+        pub static PRINT_NAMES: &[(&str, &str)] = &[$(($name, $doc),)*];
 
         /// The value of a name, where it is known at this moment.
         pub(super) fn value(name: &str, context: &Context) -> Option<Value> {

@@ -101,7 +101,7 @@ fn park_z_mm(settings: &Settings, print_top: f64) -> f64 {
 macro_rules! placeholders {
     ($($name:literal, $doc:literal: $value:expr;)*) => {
         /// Every placeholder of our own with its meaning.
-        pub const PLACEHOLDERS: &[(&str, &str)] = &[$(($name, $doc),)*];
+        pub static PLACEHOLDERS: &[(&str, &str)] = &[$(($name, $doc),)*];
 
         fn of(name: &str, context: &Context) -> Option<Value> {
             match name {
