@@ -4,9 +4,11 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::{env, fs};
 
-/// Segments lie at multiples of 2 MB as in the file, and the file is written at once: then it lies in memory in pages of 2 MB, and is
-/// mapped so. LLD 21 and 22 write at once what they are told to map: <https://github.com/llvm/llvm-project/issues/207459>.
-const LINKER_ARGUMENTS: [&str; 2] = ["-Wl,-z,max-page-size=0x200000", "-Wl,--mmap-output-file"];
+/// Segments lie at multiples of 2 MB, in memory as in the file, none in a page with another, and the file is written at once: then it
+/// lies in memory in pages of 2 MB, and is mapped so. LLD 21 and 22 write at once what they are told to map:
+/// <https://github.com/llvm/llvm-project/issues/207459>.
+const LINKER_ARGUMENTS: [&str; 3] =
+    ["-Wl,-z,max-page-size=0x200000", "-Wl,-z,separate-loadable-segments", "-Wl,--mmap-output-file"];
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
@@ -18,7 +20,7 @@ fn main() {
     }
 }
 
-/// Whether an empty program can be linked so: not every linker knows both.
+/// Whether an empty program can be linked so: not every linker knows all.
 fn linker_takes_them() -> bool {
     let of = |variable| env::var(variable).unwrap_or_default();
     let (out, source) = (of("OUT_DIR"), Path::new(&of("OUT_DIR")).join("empty.rs"));
