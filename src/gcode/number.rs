@@ -230,6 +230,20 @@ mod tests {
 
     proptest! {
         #[test]
+        fn words_have_the_same_numbers(
+            size in prop_oneof![0..2000_i64, 0..2_000_000_i64, 0..200_000_000_i64],
+            round in 0..6_u32,
+            negative: bool,
+            decimals in 0..6_u32,
+        ) {
+            let step = 10_i64.pow(round);
+            let ticks = if negative { -1 } else { 1 } * (size / step * step);
+            let mut out = b"G1".to_vec();
+            push_word(&mut out, b'X', ticks, decimals);
+            prop_assert_eq!(String::from_utf8(out).expect("digits"), format!("G1 X{}", fixed(ticks, decimals)));
+        }
+
+        #[test]
         fn they_read_back_as_what_was_written(ticks in -10_000_000_000..10_000_000_000_i64, decimals in 0..6_u32) {
             let value: f64 = fixed(ticks, decimals).parse().expect("a number");
             prop_assert_eq!((value * 10_f64.powi(decimals as i32)).round() as i64, ticks);
