@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::support::mesh_shapes::{
     LATTICES, box_xml, cuboid, lattice_xml, load, model_xml, own_models, package, painted_xml, stl,
 };
-use pathwright::mesh::{Mesh, MeshError, Transform, Wish, objects_from_bytes};
+use pathwright::mesh::{Mesh, MeshError, Transform, Wish, load_objects, objects_from_bytes};
 use pathwright::plate::{self, Layout, Placement};
 use pathwright::profile::Settings;
 use pathwright::slice;
@@ -124,6 +124,35 @@ fn bad_numbers_are_refused_with_their_place() {
     );
     let message = refusal(text("solid box", "").replacen("10 0", "ten 0", 1));
     assert!(message.contains("line 5: `ten` is not a number"), "{message}");
+}
+
+#[test]
+fn a_large_file_is_the_same_as_its_bytes() {
+    let at = |i: u32, j: u32| {
+        let (turn, tilt) = (f64::from(i % 150) / 150.0 * 2.0 * PI, f64::from(j % 80) / 80.0 * 2.0 * PI);
+        let radius = 20.0 + 6.0 * tilt.cos();
+        [radius * turn.cos(), radius * turn.sin(), 6.0 * tilt.sin()].map(|x| x as f32)
+    };
+    let quads = (0..150).flat_map(|i| (0..80).map(move |j| (i, j)));
+    let ring: Vec<[[f32; 3]; 3]> = quads
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let mut damaged = ring.clone();
+    damaged[23_000][1][2] = f32::NAN;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ring.stl");
+    let told =
+        |read: Result<Vec<pathwright::mesh::Model>, MeshError>| read.map_err(|error| error.to_string());
+    for facets in [&ring, &damaged] {
+        let bytes = stl(facets);
+        std::fs::write(&path, &bytes).unwrap();
+        let by_path = told(load_objects(&path));
+        assert_eq!(by_path.is_ok(), facets == &ring);
+        assert_eq!(by_path, told(objects_from_bytes(&path, &bytes)));
+    }
 }
 
 #[test]

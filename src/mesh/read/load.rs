@@ -5,7 +5,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use super::format::{Contents, FileModifier, FileObject};
-use super::formats;
+use super::{formats, stl};
 use crate::limits;
 use crate::mesh::effect::SavedSettings;
 use crate::mesh::error::MeshError;
@@ -127,6 +127,11 @@ pub fn load_objects(path: &Path) -> Result<Vec<Model>, MeshError> {
 /// As [`load_objects`], unless the run is cancelled.
 pub(crate) fn load_watched(path: &Path, workers: Workers<'_>) -> Result<Vec<Model>, MeshError> {
     workers.go_on();
+    let length = fs::metadata(path).map_or(0, |file| file.len());
+    check_size(path, length)?;
+    if let Some(large) = (length >= PARALLEL).then(|| stl::read_large(path)).flatten() {
+        return objects(path, large, workers);
+    }
     let data = contents(path)?;
     workers.go_on();
     objects_watched(path, &data, workers)
@@ -146,7 +151,12 @@ pub(crate) fn objects_watched(
     data: &[u8],
     workers: Workers<'_>,
 ) -> Result<Vec<Model>, MeshError> {
-    let Contents { objects, format, mut notes } = formats::read(path, data)?;
+    objects(path, formats::read(path, data)?, workers)
+}
+
+/// The models of a file.
+fn objects(path: &Path, contents: Contents, workers: Workers<'_>) -> Result<Vec<Model>, MeshError> {
+    let Contents { objects, format, mut notes } = contents;
     let mut model = |object: FileObject| {
         let FileObject { name, soup, paint, facets, positions, tool, parts, modifiers, saved, materials } =
             object;
@@ -197,18 +207,20 @@ fn bodies(
 /// Bytes from which reading by two threads pays.
 const PARALLEL: u64 = 1 << 20;
 
+/// Whether a file of so many bytes is read.
+fn check_size(path: &Path, bytes: u64) -> Result<(), MeshError> {
+    let too_large = |problem| MeshError::TooLarge { path: path.to_path_buf(), problem };
+    if bytes > limits::MODEL_BYTES {
+        return Err(too_large(format!("the file has more than {} GB", limits::MODEL_BYTES >> 30)));
+    }
+    limits::check_memory(bytes.saturating_mul(limits::BYTES_PER_BYTE)).map_err(too_large)
+}
+
 fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
     let failed = |source| MeshError::Read { path: path.to_path_buf(), source };
-    let too_large = |problem| MeshError::TooLarge { path: path.to_path_buf(), problem };
     let mut file = fs::File::open(path).map_err(failed)?;
-    let check = |bytes: u64| {
-        if bytes > limits::MODEL_BYTES {
-            return Err(too_large(format!("the file has more than {} GB", limits::MODEL_BYTES >> 30)));
-        }
-        limits::check_memory(bytes.saturating_mul(limits::BYTES_PER_BYTE)).map_err(too_large)
-    };
     let length = file.metadata().map_err(failed)?.len();
-    check(length)?;
+    check_size(path, length)?;
     if length >= PARALLEL
         && let Some(data) = halves(&file, path, length)
     {
@@ -218,7 +230,7 @@ fn contents(path: &Path) -> Result<Vec<u8>, MeshError> {
     // A pipe has no length and cannot be rewound.
     let _ = file.rewind();
     file.take(limits::MODEL_BYTES + 1).read_to_end(&mut data).map_err(failed)?;
-    check(data.len() as u64)?;
+    check_size(path, data.len() as u64)?;
     Ok(data)
 }
 

@@ -4,14 +4,16 @@
 //! name after `solid`, with leading blanks, upper case, a byte order mark, lone carriage returns or no
 //! `endsolid`, stops in silence at the second solid, and is slower than this one.
 
+use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::path::Path;
 
 use super::format::{Contents, Format, bad_coordinate, is_text, trimmed};
 use super::polygon;
 use super::words::{Words, number};
 use crate::mesh::error::{Location, MeshError};
-use crate::mesh::weld::{FARTHEST, Welder};
+use crate::mesh::weld::{FARTHEST, Soup, Welder};
 
 const HEADER: usize = 84;
 const FACET: usize = 50;
@@ -77,23 +79,71 @@ fn read(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
 /// Facets from which reading by two threads pays.
 const PARALLEL: usize = 20_000;
 
+/// Facets of a large file that a thread has in memory at once: .8 MB.
+const BLOCK: usize = 1 << 14;
+
+/// As reports call it.
+const FORMAT: &str = "binary STL";
+
 fn read_binary(path: &Path, data: &[u8], facets: usize, notes: Vec<String>) -> Result<Contents, MeshError> {
     let body = &data[HEADER..HEADER + facets * FACET];
+    let part = |part: Range<usize>, welder: &mut Welder| {
+        weld(path, &body[part.start * FACET..part.end * FACET], part.start, welder)
+    };
+    Ok(Contents::single(welded(facets, part)?, FORMAT, facets, notes))
+}
+
+/// Reads a large binary file of the size that its header promises, without having all of it in memory. `None` of any other file, and
+/// of one in which there is something to tell of.
+pub(super) fn read_large(path: &Path) -> Option<Contents> {
+    let mut header = [0; HEADER];
+    let mut file = File::open(path).ok()?;
+    let length = file.metadata().ok()?.len();
+    file.read_exact(&mut header).ok()?;
+    let promised = u32::from_le_bytes([header[80], header[81], header[82], header[83]]);
+    let is_whole = length == HEADER as u64 + FACET as u64 * u64::from(promised);
+    let is_named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("stl"));
+    // What is no text and no archive is of no other format.
+    let facets = promised as usize;
+    if facets < PARALLEL
+        || !(is_whole && is_named)
+        || [b"PK", b"\xFE\xFF", b"\xFF\xFE"].contains(&&[header[0], header[1]])
+    {
+        return None;
+    }
+    let part = |part: Range<usize>, welder: &mut Welder| {
+        let mut file = File::open(path).ok()?;
+        file.seek(SeekFrom::Start((HEADER + part.start * FACET) as u64)).ok()?;
+        let mut bytes = vec![0; FACET * BLOCK.min(part.len())];
+        for first in part.clone().step_by(BLOCK) {
+            let block = &mut bytes[..FACET * BLOCK.min(part.end - first)];
+            file.read_exact(block).ok()?;
+            weld(path, block, first, welder).ok()?;
+        }
+        Some(())
+    };
+    let part = |facets, welder: &mut Welder| part(facets, welder).ok_or(());
+    Some(Contents::single(welded(facets, part).ok()?, FORMAT, facets, Vec::new()))
+}
+
+/// Welds facets with a function that adds some of them, on two threads if there are many: halves by themselves and then together, with
+/// the same vertices in the same order as in one go.
+fn welded<E: Send>(
+    facets: usize,
+    part: impl Fn(Range<usize>, &mut Welder) -> Result<(), E> + Sync,
+) -> Result<Soup, E> {
     let mut welder = Welder::with_capacity(facets);
     if facets < PARALLEL {
-        weld(path, body, 0, &mut welder)?;
+        part(0..facets, &mut welder)?;
     } else {
-        // Two halves, welded each by itself and then together: the same vertices in the same order as in one go.
         let half = facets / 2;
         let mut later = Welder::with_capacity(facets - half);
-        let (first, second) = crate::parallel::join(
-            || weld(path, &body[..half * FACET], 0, &mut welder),
-            || weld(path, &body[half * FACET..], half, &mut later),
-        );
+        let (first, second) =
+            crate::parallel::join(|| part(0..half, &mut welder), || part(half..facets, &mut later));
         first.and(second)?;
         welder.append(later.finish());
     }
-    Ok(Contents::single(welder.finish(), "binary STL", facets, notes))
+    Ok(welder.finish())
 }
 
 /// Welds the facets of a part of the file, the first of which is number `offset + 1`.
