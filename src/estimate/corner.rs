@@ -59,16 +59,11 @@ impl Machine {
                 speed = speed.min(self.max_speed[0]);
             }
         }
-        let is_within = |axis: &usize| {
-            let share = unit[*axis].abs();
-            speed * share <= self.max_speed[*axis] && acceleration * share <= self.max_acceleration[*axis]
+        let is_within = |axis: usize| {
+            let share = unit[axis].abs();
+            speed * share <= self.max_speed[axis] && acceleration * share <= self.max_acceleration[axis]
         };
-        let is_free = if klipper {
-            (first..last).all(|axis| is_within(&axis))
-        } else {
-            [0, 1, 2, 3].iter().all(is_within)
-        };
-        if is_free {
+        if (first..last).all(is_within) {
             return (speed, acceleration);
         }
         let limits = self.max_speed[first..last].iter().zip(&self.max_acceleration[first..last]);

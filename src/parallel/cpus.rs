@@ -60,8 +60,11 @@ mod system {
     pub fn few() -> Option<usize> {
         const FEW: usize = 2;
         let allowed = sched_getaffinity(gettid()).ok()?;
-        let cpus = (0..CpuSet::count()).filter(|&cpu| allowed.is_set(cpu) == Ok(true));
-        Some(cpus.take(FEW + 1).count()).filter(|&count| count <= FEW)
+        Some(members(&allowed).take(FEW + 1).count()).filter(|&count| count <= FEW)
+    }
+
+    fn members(cpus: &CpuSet) -> impl Iterator<Item = usize> {
+        (0..CpuSet::count()).filter(|&cpu| cpus.is_set(cpu) == Ok(true))
     }
 
     /// Moves the calling thread's process apart: it stays where it is, and each other thread gets a CPU of its own, as long as there
@@ -76,7 +79,7 @@ mod system {
 
     fn place(this: Pid, others: impl Iterator<Item = Pid>) -> nix::Result<()> {
         let (allowed, own) = (sched_getaffinity(this)?, sched_getcpu()?);
-        let free = (0..CpuSet::count()).filter(|&cpu| cpu != own && allowed.is_set(cpu) == Ok(true));
+        let free = members(&allowed).filter(|&cpu| cpu != own);
         let others = others.zip(free).chain([(this, own)]);
         let workers: Vec<Worker> =
             others.map(|(thread, cpu)| Worker { thread, allowed, own: Some(cpu) }).collect();
@@ -127,7 +130,7 @@ mod system {
 
         fn allowed() -> Vec<usize> {
             let set = sched_getaffinity(Pid::from_raw(0)).unwrap();
-            (0..CpuSet::count()).filter(|&cpu| set.is_set(cpu) == Ok(true)).collect()
+            members(&set).collect()
         }
 
         #[test]

@@ -29,6 +29,12 @@ pub(super) fn read(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
     }
 }
 
+/// Whether a file that begins so is of no other kind than STL.
+pub(super) fn is_stl(path: &Path, beginning: &[u8]) -> bool {
+    let [others @ .., _] = FORMATS;
+    from_utf16(beginning).is_none() && !others.iter().any(|format| format.recognises(path, beginning))
+}
+
 /// Text in 16-bit units, which begins with a byte order mark, as UTF-8.
 fn from_utf16(data: &[u8]) -> Option<Vec<u8>> {
     let (mark, units) = data.split_at_checked(2)?;

@@ -127,14 +127,22 @@ pub fn load_objects(path: &Path) -> Result<Vec<Model>, MeshError> {
 /// As [`load_objects`], unless the run is cancelled.
 pub(crate) fn load_watched(path: &Path, workers: Workers<'_>) -> Result<Vec<Model>, MeshError> {
     workers.go_on();
-    let length = fs::metadata(path).map_or(0, |file| file.len());
-    check_size(path, length)?;
-    if let Some(large) = (length >= PARALLEL).then(|| stl::read_large(path)).flatten() {
-        return objects(path, large, workers);
-    }
-    let data = contents(path)?;
+    let contents = match large(path)? {
+        Some(contents) => contents,
+        None => formats::read(path, &contents(path)?)?,
+    };
     workers.go_on();
-    objects_watched(path, &data, workers)
+    objects(path, contents, workers)
+}
+
+/// What a large file holds that need not be in memory as a whole.
+fn large(path: &Path) -> Result<Option<Contents>, MeshError> {
+    let length = fs::metadata(path).map_or(0, |file| file.len());
+    if length < PARALLEL {
+        return Ok(None);
+    }
+    check_size(path, length)?;
+    Ok(stl::read_large(path, |beginning| formats::is_stl(path, beginning)))
 }
 
 /// As [`load_objects`], from the file's contents; `path` is what messages call it.

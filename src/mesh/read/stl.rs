@@ -94,44 +94,42 @@ fn read_binary(path: &Path, data: &[u8], facets: usize, notes: Vec<String>) -> R
 }
 
 /// Reads a large binary file of the size that its header promises, without having all of it in memory. `None` of any other file, and
-/// of one in which there is something to tell of.
-pub(super) fn read_large(path: &Path) -> Option<Contents> {
+/// of one in which there is something to tell of; `is_stl`: whether one that begins so is of no other format.
+pub(super) fn read_large(path: &Path, is_stl: impl Fn(&[u8]) -> bool) -> Option<Contents> {
     let mut header = [0; HEADER];
     let mut file = File::open(path).ok()?;
     let length = file.metadata().ok()?.len();
     file.read_exact(&mut header).ok()?;
     let promised = u32::from_le_bytes([header[80], header[81], header[82], header[83]]);
     let is_whole = length == HEADER as u64 + FACET as u64 * u64::from(promised);
-    let is_named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("stl"));
-    // What is no text and no archive is of no other format.
     let facets = promised as usize;
-    if facets < PARALLEL
-        || !(is_whole && is_named)
-        || [b"PK", b"\xFE\xFF", b"\xFF\xFE"].contains(&&[header[0], header[1]])
-    {
+    if facets < PARALLEL || !is_whole || !is_stl(&header) {
         return None;
     }
-    let part = |part: Range<usize>, welder: &mut Welder| {
-        let mut file = File::open(path).ok()?;
-        file.seek(SeekFrom::Start((HEADER + part.start * FACET) as u64)).ok()?;
-        let mut bytes = vec![0; FACET * BLOCK.min(part.len())];
-        for first in part.clone().step_by(BLOCK) {
-            let block = &mut bytes[..FACET * BLOCK.min(part.end - first)];
-            file.read_exact(block).ok()?;
-            weld(path, block, first, welder).ok()?;
-        }
-        Some(())
-    };
-    let part = |facets, welder: &mut Welder| part(facets, welder).ok_or(());
+    let part = |part: Range<usize>, welder: &mut Welder| weld_file(path, part, welder);
     Some(Contents::single(welded(facets, part).ok()?, FORMAT, facets, Vec::new()))
+}
+
+/// Welds some facets of a file, block by block.
+fn weld_file(path: &Path, part: Range<usize>, welder: &mut Welder) -> Result<(), MeshError> {
+    let unreadable = |source| MeshError::Read { path: path.to_path_buf(), source };
+    let mut file = File::open(path).map_err(unreadable)?;
+    file.seek(SeekFrom::Start((HEADER + part.start * FACET) as u64)).map_err(unreadable)?;
+    let mut bytes = vec![0; FACET * BLOCK.min(part.len())];
+    for first in part.clone().step_by(BLOCK) {
+        let block = &mut bytes[..FACET * BLOCK.min(part.end - first)];
+        file.read_exact(block).map_err(unreadable)?;
+        weld(path, block, first, welder)?;
+    }
+    Ok(())
 }
 
 /// Welds facets with a function that adds some of them, on two threads if there are many: halves by themselves and then together, with
 /// the same vertices in the same order as in one go.
-fn welded<E: Send>(
+fn welded(
     facets: usize,
-    part: impl Fn(Range<usize>, &mut Welder) -> Result<(), E> + Sync,
-) -> Result<Soup, E> {
+    part: impl Fn(Range<usize>, &mut Welder) -> Result<(), MeshError> + Sync,
+) -> Result<Soup, MeshError> {
     let mut welder = Welder::with_capacity(facets);
     if facets < PARALLEL {
         part(0..facets, &mut welder)?;

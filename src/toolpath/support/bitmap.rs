@@ -162,14 +162,6 @@ impl Bitmap {
         self.words.get(word).is_some_and(|word| word & bits == bits)
     }
 
-    /// Whether all of some bits of a word are set in each of some rows.
-    #[inline]
-    pub(super) fn holds_in(&self, rows: Range<usize>, word: usize, bits: u64) -> bool {
-        let stride = self.grid.stride();
-        let mut words = rows.map(|row| self.words.get(row * stride + word));
-        words.all(|word| word.is_some_and(|word| word & bits == bits))
-    }
-
     /// The cells whose middles lie in a region.
     pub fn of(grid: Grid, region: &Region) -> Self {
         let mut map = Self::empty(grid);

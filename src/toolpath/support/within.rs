@@ -141,11 +141,11 @@ impl Within {
     fn holds(&self, rows: &Range<usize>, word: usize, bits: u64) -> bool {
         let [first_word, first_row] = self.first;
         let (word, start) = (word.wrapping_sub(first_word), rows.start.wrapping_sub(first_row));
-        let grid = self.cells.grid();
-        word < grid.stride()
+        let (grid, stride) = (self.cells.grid(), self.cells.grid().stride());
+        word < stride
             && start < grid.rows
             && rows.len() <= grid.rows - start
-            && self.cells.holds_in(start..start + rows.len(), word, bits)
+            && (start..start + rows.len()).all(|row| self.cells.holds(row * stride + word, bits))
     }
 }
 
