@@ -78,6 +78,8 @@ pub(super) fn slice(
 
     let tooled = Tooled::plan(rounds, &|round, layer| staged.walls(round, layer), &site, settings, workers)?;
     warnings.extend(tooled.iter().filter_map(|tooled| tooled.warning.clone()));
+    // All that is asked of the meshes has been.
+    loaded.plate.meshes.clear();
     let counts = rounds.iter().enumerate().map(|(number, round)| {
         tooled.as_ref().map_or(round.sections.layers.len(), |tooled| tooled.count(number))
     });
@@ -295,8 +297,8 @@ struct OrderState<'a> {
     at: &'a mut Entry,
 }
 
-/// No fewer layers per thread are finished before they are written.
-const LAST_PART: usize = 4;
+/// Layers per thread that are finished before they are written: few, as their moves are in memory until then.
+const PART: usize = 4;
 
 /// Layers whose order is known.
 #[derive(Default)]
@@ -322,8 +324,8 @@ impl Batch {
 }
 
 impl LayerMaker<'_> {
-    /// Takes the layers of a round through all stages, batch by batch: while one is ordered, the next is planned, the one
-    /// before gets its moves, and the one before that is checked and written. Returns, if they are to be certified, what
+    /// Takes the layers of a round through all stages, batch by batch: while one is ordered, the next is planned, and the
+    /// one before gets its moves, is checked and written. Returns, if they are to be certified, what
     /// was ordered and where each layer was entered from.
     fn round(
         &self,
@@ -344,40 +346,42 @@ impl LayerMaker<'_> {
         };
         let sequencer = Sequencer::new(&self.chain, workers, chunk, at.xy.map(|[x, y]| Point::from_mm(x, y)));
         let mut state = OrderState { seam: SeamRule::new(self.settings.seam.position), sequencer, at };
-        let (mut planned, mut batch, mut done, mut kept) =
-            (plan(0), Batch::default(), Vec::new(), Vec::new());
+        let (mut planned, mut batch, mut kept) = (plan(0), Batch::default(), Vec::new());
         for step in 1..=count.div_ceil(length) {
             if whole.is_none() {
                 planned.iter().try_for_each(|layer| floating.take(layer))?;
             }
             let order = || self.order(planned, step * length >= count, &mut state);
-            let finish = || self.finished(&batch, 0..batch.entries.len(), round);
-            let write = || writer.add(done);
+            let write = || self.write(&batch, round, writer);
             // What cannot be divided comes first.
-            let beside = || parallel::join(write, || parallel::join(finish, || plan(step * length)));
-            let (ordered, (written, (finished, next))) = parallel::join(order, beside);
+            let beside = || parallel::join(write, || plan(step * length));
+            let (ordered, (written, next)) = parallel::join(order, beside);
             written?;
             if self.certify {
                 kept.extend(batch.into_ordered(round.first_layer));
             }
-            (planned, batch, done) = (next, ordered, finished);
+            (planned, batch) = (next, ordered);
         }
-        // In parts that become shorter: nothing is left to do beside writing the last one.
-        let mut part = 0..0;
-        while part.end < batch.entries.len() {
-            let left = batch.entries.len() - part.end;
-            part = part.end..part.end + left.div_ceil(2).max(LAST_PART * parallel::threads()).min(left);
-            let finish = || self.finished(&batch, part.clone(), round);
-            let (written, finished) = parallel::join(|| writer.add(done), finish);
-            written?;
-            done = finished;
-        }
-        writer.add(done)?;
+        self.write(&batch, round, writer)?;
         if self.certify {
             kept.extend(batch.into_ordered(round.first_layer));
         }
         writer.finish()?;
         Ok(kept)
+    }
+
+    /// Finishes the layers of a batch and writes them, part by part: while one is written, the next is finished.
+    fn write(&self, batch: &Batch, round: &Round, writer: &mut PrintWriter<'_>) -> Result<(), JobError> {
+        let count = batch.entries.len();
+        let length = PART * parallel::threads();
+        let mut done = Vec::new();
+        for first in (0..count).step_by(length) {
+            let finish = || self.finished(batch, first..count.min(first + length), round);
+            let (written, finished) = parallel::join(|| writer.add(done), finish);
+            written?;
+            done = finished;
+        }
+        writer.add(done)
     }
 
     /// Orders layers; the last one waits until the layer above it is known.

@@ -9,19 +9,11 @@ use super::stitch::stitch;
 use crate::mesh::{Effect, Mesh, NO_TWIN};
 use geometry::{Point, Region, Ring};
 
-/// A vertex, and how many cuts lie at or below it: it is above cut `i` if `rank > i`. A vertex on a cut is above it, so
-/// no cut ever passes through a vertex.
-#[derive(Clone, Copy, Debug)]
-struct Corner {
-    at_mm: [f64; 3],
-    rank: u32,
-}
-
-/// A mesh with its triangles sorted by the layers that cross them.
+/// A mesh with its triangles sorted by the layers that cross them. A vertex on a cut is above it, so no cut ever passes through
+/// a vertex.
 #[derive(Debug)]
 pub struct Cutter<'a> {
     mesh: &'a Mesh,
-    corners: Vec<Corner>,
     cuts_mm: Vec<f64>,
     /// `crossing[start[i]..start[i + 1]]` are the triangles that cut `i` crosses, ascending.
     start: Vec<u32>,
@@ -39,10 +31,9 @@ impl<'a> Cutter<'a> {
     /// If layers cross more triangles than 32 bits number, which [`limits::CROSSINGS`](crate::limits::CROSSINGS) forbids.
     pub fn new(mesh: &'a Mesh, spans: &[LayerSpan], settings: &LayerSettings) -> Self {
         let cuts_mm: Vec<f64> = spans.iter().map(|s| s.cut_mm).collect();
-        let corners: Vec<Corner> =
-            mesh.vertices().iter().map(|&at_mm| Corner { at_mm, rank: rank(&cuts_mm, at_mm[2]) }).collect();
+        let ranks: Vec<u32> = mesh.vertices().iter().map(|at_mm| rank(&cuts_mm, at_mm[2])).collect();
         let ranks = |triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|v| corners[v as usize].rank);
+            let [a, b, c] = triangle.map(|v| ranks[v as usize]);
             (a.min(b).min(c) as usize, a.max(b).max(c) as usize)
         };
         // Two passes of a counting sort by layer. First, by how much the counts change from layer to layer.
@@ -71,7 +62,7 @@ impl<'a> Cutter<'a> {
         let (resolution_mm, closing_mm) = (settings.resolution.0, settings.closing_radius.0);
         let cut_out = mesh.modifiers().iter().filter(|modifier| modifier.effect == Effect::Cut);
         let cut_out = cut_out.map(|modifier| Self::new(&modifier.mesh, spans, settings)).collect();
-        Self { mesh, corners, cuts_mm, start, crossing, resolution_mm, closing_mm, cut_out }
+        Self { mesh, cuts_mm, start, crossing, resolution_mm, closing_mm, cut_out }
     }
 
     /// The section at a layer's cut, without bodies that are cut out, and what had to be repaired. Cost grows with the triangles that the layer crosses.
@@ -145,8 +136,9 @@ impl<'a> Cutter<'a> {
     /// The half-edges where an outline enters and leaves a triangle: those that run down and up through the cut.
     #[inline]
     fn entry_and_exit(&self, triangle: u32, layer: usize) -> (u32, u32) {
+        let cut_mm = self.cuts_mm[layer];
         let [a, b, c] =
-            self.mesh.triangles()[triangle as usize].map(|v| self.corners[v as usize].rank as usize > layer);
+            self.mesh.triangles()[triangle as usize].map(|v| self.mesh.vertices()[v as usize][2] >= cut_mm);
         let (down, up) = match (a, b, c) {
             (true, false, false) => (0, 2),
             (false, true, false) => (1, 0),
@@ -163,15 +155,16 @@ impl<'a> Cutter<'a> {
     #[inline]
     fn point(&self, half: u32, layer: usize) -> Point {
         let (triangle, k) = (self.mesh.triangles()[half as usize / 3], half as usize % 3);
-        let from = &self.corners[triangle[k] as usize];
-        let to = &self.corners[triangle[if k == 2 { 0 } else { k + 1 }] as usize];
-        let (low, high) = if from.rank < to.rank { (from.at_mm, to.at_mm) } else { (to.at_mm, from.at_mm) };
-        let share = (self.cuts_mm[layer] - low[2]) / (high[2] - low[2]);
+        let corner = |k: usize| self.mesh.vertices()[triangle[k] as usize];
+        let (from, to) = (corner(k), corner(if k == 2 { 0 } else { k + 1 }));
+        let cut_mm = self.cuts_mm[layer];
+        let (low, high) = if from[2] < cut_mm { (from, to) } else { (to, from) };
+        let share = (cut_mm - low[2]) / (high[2] - low[2]);
         Point::from_mm(low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]))
     }
 }
 
-/// Counts the cuts at or below a height: guessed from the even spacing, then corrected.
+/// Counts the cuts at or below a height: a vertex is above cut `i` if its rank is greater. Guessed from the even spacing, then corrected.
 #[inline]
 fn rank(cuts_mm: &[f64], z_mm: f64) -> u32 {
     let mut rank = match *cuts_mm {

@@ -79,8 +79,8 @@ fn read(path: &Path, data: &[u8]) -> Result<Contents, MeshError> {
 /// Facets from which reading by two threads pays.
 const PARALLEL: usize = 20_000;
 
-/// Facets of a large file that a thread has in memory at once: .8 MB.
-const BLOCK: usize = 1 << 14;
+/// Facets of a large file that a thread has in memory at once: .1 MB.
+const BLOCK: usize = 1 << 11;
 
 /// As reports call it.
 const FORMAT: &str = "binary STL";
@@ -135,11 +135,13 @@ fn welded(
         part(0..facets, &mut welder)?;
     } else {
         let half = facets / 2;
-        let mut later = Welder::with_capacity(facets - half);
-        let (first, second) =
-            crate::parallel::join(|| part(0..half, &mut welder), || part(half..facets, &mut later));
-        first.and(second)?;
-        welder.append(later.finish());
+        let later = || {
+            let mut welder = Welder::with_capacity(facets - half);
+            part(half..facets, &mut welder).map(|()| welder.finish())
+        };
+        let (first, later) = crate::parallel::join(|| part(0..half, &mut welder), later);
+        first?;
+        welder.append(later?);
     }
     Ok(welder.finish())
 }
