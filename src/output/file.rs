@@ -11,7 +11,7 @@ use tempfile::NamedTempFile;
 use crate::parallel;
 
 /// So much is held in memory, where it can be patched, before it is written.
-const HELD_BYTES: usize = 1 << 20;
+const HELD_BYTES: usize = 1 << 18;
 
 /// Size of a buffer for reading.
 const BUFFER_BYTES: usize = 1 << 18;
