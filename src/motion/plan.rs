@@ -39,7 +39,7 @@ pub fn plan_layer(
     let rules = Rules::new(settings, layer.index);
     let vertices: usize = layer.paths.iter().map(|p| p.points.len()).sum();
     // Curves are drawn with more vertices than they have.
-    let mut moves = Vec::with_capacity(vertices + vertices / 2 + 6 * sequence.len() + 8);
+    let mut moves = Vec::with_capacity(2 * vertices + 6 * sequence.len() + 8);
     // Nothing has been printed yet that a later object would pass over.
     moves.extend(rules.opening(from.over_mm <= 0.0));
     let mut nozzle = Nozzle {
