@@ -298,7 +298,7 @@ struct OrderState<'a> {
 }
 
 /// Layers per thread that are finished before they are written: few, as their moves are in memory until then.
-const PART: usize = 4;
+const PART: usize = 2;
 
 /// Layers whose order is known.
 #[derive(Default)]
