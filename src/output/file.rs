@@ -215,12 +215,12 @@ mod tests {
         let target = folder.path().join("file");
         let mut pending = Pending::create(folder.path(), target.clone()).unwrap();
         let mut wanted = Vec::new();
-        for part in (0..5).map(|byte| vec![byte; 300_000]) {
+        for part in (0..5).map(|byte| vec![byte; 75_000]) {
             pending.append(&part).unwrap();
             wanted.extend(part);
         }
-        assert_eq!((pending.written, pending.held.len()), (900_000, 600_000));
-        for offset in [1_499_990, 0, 450_000, 900_000, 899_995, 1_200_000] {
+        assert_eq!((pending.written, pending.held.len()), (225_000, 150_000));
+        for offset in [374_990, 0, 112_500, 225_000, 224_995, 300_000] {
             pending.patch(offset, &[9; 10]).unwrap();
             wanted[offset as usize..][..10].fill(9);
         }
