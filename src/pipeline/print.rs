@@ -325,8 +325,8 @@ impl Batch {
 
 impl LayerMaker<'_> {
     /// Takes the layers of a round through all stages, batch by batch: while one is ordered, the next is planned, and the
-    /// one before gets its moves, is checked and written. Returns, if they are to be certified, what
-    /// was ordered and where each layer was entered from.
+    /// one before gets its moves, is checked and written. Returns, if they are to be certified, what was ordered and
+    /// where each layer was entered from.
     fn round(
         &self,
         parts: &Parts<'_>,

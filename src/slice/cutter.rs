@@ -32,14 +32,14 @@ impl<'a> Cutter<'a> {
     pub fn new(mesh: &'a Mesh, spans: &[LayerSpan], settings: &LayerSettings) -> Self {
         let cuts_mm: Vec<f64> = spans.iter().map(|s| s.cut_mm).collect();
         let ranks: Vec<u32> = mesh.vertices().iter().map(|at_mm| rank(&cuts_mm, at_mm[2])).collect();
-        let ranks = |triangle: &[u32; 3]| {
+        let range = |triangle: &[u32; 3]| {
             let [a, b, c] = triangle.map(|v| ranks[v as usize]);
             (a.min(b).min(c) as usize, a.max(b).max(c) as usize)
         };
         // Two passes of a counting sort by layer. First, by how much the counts change from layer to layer.
         let mut start = vec![0u32; cuts_mm.len() + 3];
         for triangle in mesh.triangles() {
-            let (low, high) = ranks(triangle);
+            let (low, high) = range(triangle);
             start[low + 2] = start[low + 2].wrapping_add(1);
             start[high + 2] = start[high + 2].wrapping_sub(1);
         }
@@ -53,7 +53,7 @@ impl<'a> Cutter<'a> {
         }
         let mut crossing = vec![0; start.last().map_or(0, |&n| n as usize)];
         for (t, triangle) in mesh.triangles().iter().enumerate() {
-            let (low, high) = ranks(triangle);
+            let (low, high) = range(triangle);
             for entry in &mut start[low + 1..high + 1] {
                 crossing[*entry as usize] = t as u32;
                 *entry += 1;
@@ -164,7 +164,7 @@ impl<'a> Cutter<'a> {
     }
 }
 
-/// Counts the cuts at or below a height: a vertex is above cut `i` if its rank is greater. Guessed from the even spacing, then corrected.
+/// Counts the cuts at or below a height, of which a vertex is above: guessed from the even spacing, then corrected.
 #[inline]
 fn rank(cuts_mm: &[f64], z_mm: f64) -> u32 {
     let mut rank = match *cuts_mm {
