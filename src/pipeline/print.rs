@@ -1,7 +1,6 @@
 //! One plate, from meshes to bytes.
 
 use std::collections::BTreeSet;
-use std::ops::Range;
 
 use crate::estimate::{Machine, cool, move_times_s};
 use crate::gcode::{
@@ -376,7 +375,8 @@ impl LayerMaker<'_> {
         let length = PART * parallel::threads();
         let mut done = Vec::new();
         for first in (0..count).step_by(length) {
-            let finish = || self.finished(batch, first..count.min(first + length), round);
+            let layers = length.min(count - first);
+            let finish = || self.workers.map(layers, |i| self.finish(batch, first + i, round.first_layer));
             let (written, finished) = parallel::join(|| writer.add(done), finish);
             written?;
             done = finished;
@@ -404,11 +404,6 @@ impl LayerMaker<'_> {
             })
             .collect();
         Batch { layers, entries }
-    }
-
-    /// Layers of a batch, finished.
-    fn finished(&self, batch: &Batch, layers: Range<usize>, round: &Round) -> Vec<FinishedLayer> {
-        self.workers.map(layers.len(), |i| self.finish(batch, layers.start + i, round.first_layer))
     }
 
     /// Motion, cooling and formatting of one layer of a batch, numbered after those of the rounds before.

@@ -164,7 +164,7 @@ impl<'a> Cutter<'a> {
     }
 }
 
-/// Counts the cuts at or below a height, of which a vertex is above: guessed from the even spacing, then corrected.
+/// Counts the cuts at or below a height: guessed from the even spacing, then corrected.
 #[inline]
 fn rank(cuts_mm: &[f64], z_mm: f64) -> u32 {
     let mut rank = match *cuts_mm {
