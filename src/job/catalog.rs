@@ -129,7 +129,7 @@ impl Profile {
         let profiles = EMBEDDED.iter().map(|profile| Self {
             name: profile.name,
             kind: profile.kind.name(),
-            help: profile.description(),
+            help: profile.description().to_owned(),
         });
         profiles.collect()
     }

@@ -1,4 +1,6 @@
-//! The profiles that are compiled in.
+//! The profiles that are compiled in, as written and as parsed.
+
+use toml::{Table, Value};
 
 /// The kind of an embedded profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,11 +40,52 @@ pub struct EmbeddedProfile {
 
 impl EmbeddedProfile {
     /// Its own one-line description.
-    pub fn description(&self) -> String {
-        let table = self.text.parse::<toml::Table>().unwrap_or_default();
-        table.get("description").and_then(|text| text.as_str()).unwrap_or_default().to_owned()
+    pub fn description(&self) -> &'static str {
+        match self.values().iter().find(|(key, _)| *key == "description") {
+            Some((_, Written::Text(text))) => text,
+            _ => "",
+        }
+    }
+
+    /// What its text says.
+    pub(super) fn table(&self) -> Table {
+        table(self.values())
+    }
+
+    fn values(&self) -> &'static [(&'static str, Written)] {
+        TABLES.iter().find(|(name, _)| *name == self.name).map_or(&[], |(_, values)| values)
     }
 }
+
+/// A value as the build parsed it.
+enum Written {
+    Text(&'static str),
+    Integer(i64),
+    Float(f64),
+    Boolean(bool),
+    List(&'static [Written]),
+    Table(&'static [(&'static str, Written)]),
+}
+
+impl Written {
+    fn value(&self) -> Value {
+        match *self {
+            Self::Text(text) => text.into(),
+            Self::Integer(number) => number.into(),
+            Self::Float(number) => number.into(),
+            Self::Boolean(truth) => truth.into(),
+            Self::List(list) => Value::Array(list.iter().map(Self::value).collect()),
+            Self::Table(entries) => Value::Table(table(entries)),
+        }
+    }
+}
+
+fn table(entries: &[(&str, Written)]) -> Table {
+    entries.iter().map(|(key, written)| ((*key).to_owned(), written.value())).collect()
+}
+
+// `TABLES`: the values of each profile, by name.
+include!(concat!(env!("OUT_DIR"), "/profiles.rs"));
 
 /// Name of the profile that lies below all others.
 pub const DEFAULT: &str = "default";
@@ -72,7 +115,7 @@ pub fn find(name: &str) -> Option<&'static EmbeddedProfile> {
 
 /// A script of the generic printer; it is written once, in its profile.
 pub(super) fn default_script(key: &str) -> String {
-    let written = find("reprap-250").and_then(|profile| profile.text.parse::<toml::Table>().ok());
+    let written = find("reprap-250").map(EmbeddedProfile::table);
     let script = written.as_ref().and_then(|table| table.get("gcode")?.get(key)?.as_str());
     script.unwrap_or_default().to_owned()
 }

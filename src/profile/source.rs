@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
-use super::embedded::{self, EMBEDDED};
+use super::embedded::{self, EMBEDDED, EmbeddedProfile};
 use super::error::{Origin, Problem};
 use super::import::{self, Import};
 use super::metadata;
@@ -60,11 +60,10 @@ impl Reader {
             return self.problem(&Origin::Project, format!("its profile is larger than {most} MB"));
         }
         let files = std::mem::replace(&mut self.no_files, true);
-        match text.parse::<Table>() {
+        match parsed(text) {
             Ok(table) => self.flatten(table, &Origin::Project, Path::new("")),
-            Err(error) => {
-                let message = format!("its profile is not valid TOML: {}", one_line(&error, text));
-                self.problem(&Origin::Project, message);
+            Err(message) => {
+                self.problem(&Origin::Project, format!("its profile is not valid TOML: {message}"));
             }
         }
         self.no_files = files;
@@ -103,17 +102,14 @@ impl Reader {
                 self.open[first..].iter().chain([&found]).map(|profile| profile.origin.to_string()).collect();
             return self.problem(asker, format!("profiles inherit in a circle: {}", circle.join(" → ")));
         }
-        match found.text.parse::<Table>() {
+        match found.text.table() {
             Ok(table) => {
                 let (origin, folder) = (found.origin.clone(), found.folder.clone());
                 self.open.push(found);
                 self.flatten(table, &origin, &folder);
                 self.open.pop();
             }
-            Err(error) => {
-                let message = format!("is not valid TOML: {}", one_line(&error, &found.text));
-                self.problem(&found.origin, message);
-            }
+            Err(message) => self.problem(&found.origin, format!("is not valid TOML: {message}")),
         }
     }
 
@@ -226,9 +222,23 @@ struct Found {
     origin: Origin,
     /// The same however it is named.
     identity: PathBuf,
-    text: String,
+    text: Text,
     /// What its own relative paths start from.
     folder: PathBuf,
+}
+
+enum Text {
+    Embedded(&'static EmbeddedProfile),
+    File(String),
+}
+
+impl Text {
+    fn table(&self) -> Result<Table, String> {
+        match self {
+            Self::Embedded(profile) => Ok(profile.table()),
+            Self::File(text) => parsed(text),
+        }
+    }
 }
 
 impl Found {
@@ -236,7 +246,7 @@ impl Found {
         Self {
             origin: Origin::File(path.display().to_string()),
             identity: path.canonicalize().unwrap_or_else(|_| path.to_owned()),
-            text,
+            text: Text::File(text),
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
         }
     }
@@ -254,7 +264,7 @@ fn embedded(name: &str) -> Option<Found> {
     embedded::find(name).map(|profile| Found {
         origin: Origin::Embedded(profile.name.into()),
         identity: profile.name.into(),
-        text: profile.text.into(),
+        text: Text::Embedded(profile),
         folder: PathBuf::new(),
     })
 }
@@ -307,7 +317,10 @@ pub fn text(name_or_path: &str) -> Result<String, String> {
         let import = Import::read(&path).map_err(|message| format!("{name_or_path}: {message}"))?;
         return Ok(import::as_profile(name_or_path, &import));
     }
-    locate(name_or_path, Path::new("")).map(|found| found.text)
+    locate(name_or_path, Path::new("")).map(|found| match found.text {
+        Text::Embedded(profile) => profile.text.to_owned(),
+        Text::File(text) => text,
+    })
 }
 
 /// The text of another slicer's configuration (`.ini`) as a profile of ours; `name`: what it is called.
@@ -331,7 +344,11 @@ fn unknown_profile(name: &str, or: &str) -> String {
     )
 }
 
-/// The parser's message without its drawing of the source, led by the line.
+/// Errors: the parser's message without its drawing of the source, led by the line.
+fn parsed(text: &str) -> Result<Table, String> {
+    text.parse().map_err(|error| one_line(&error, text))
+}
+
 fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = error.message().replace('\n', ", ");
     match error.span() {
