@@ -13,22 +13,20 @@ use toml::{Table, Value};
 const SEGMENTS: [&str; 3] =
     ["-Wl,-z,max-page-size=0x200000", "-Wl,-z,separate-loadable-segments", "-Wl,--mmap-output-file"];
 /// What unwinds is part of the program: as a library of its own it takes a fiftieth of a small model's time to be loaded. The standard
-/// library asks for that library by name, and finds this.
+/// library asks for that library by name, and finds this. C++, as in HiGHS, has a library that needs the same.
 const UNWINDER: [&str; 2] = ["libgcc_s.so", "INPUT(-lgcc_eh -lgcc)\n"];
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     write_profiles();
-    let is = |variable, value| env::var(variable).is_ok_and(|of| of == value);
-    if is("PROFILE", "release") && is("CARGO_CFG_TARGET_OS", "linux") {
-        let folder = PathBuf::from(variable("OUT_DIR")).join("unwinder");
-        let [name, text] = UNWINDER;
-        let is_written = fs::create_dir_all(&folder).and_then(|()| fs::write(folder.join(name), text)).is_ok();
-        let unwinder = [format!("-L{}", folder.display())];
-        for arguments in [SEGMENTS.map(str::to_owned).as_slice(), &unwinder] {
-            if is_written && linker_takes(arguments) {
-                arguments.iter().for_each(|argument| println!("cargo:rustc-link-arg-bins={argument}"));
-            }
+    if variable("PROFILE") == "release" && variable("CARGO_CFG_TARGET_OS") == "linux" {
+        link_with(&SEGMENTS.map(str::to_owned));
+        if env::var_os("CARGO_FEATURE_HIGHS").is_none() {
+            let folder = PathBuf::from(variable("OUT_DIR")).join("unwinder");
+            let [name, text] = UNWINDER;
+            fs::create_dir_all(&folder).expect("a folder");
+            fs::write(folder.join(name), text).expect("the unwinder's name, written");
+            link_with(&[format!("-L{}", folder.display())]);
         }
     }
 }
@@ -75,6 +73,13 @@ fn written(value: &Value) -> String {
         }
         Value::Table(table) => format!("Written::Table({})", entries(table)),
         Value::Datetime(date) => panic!("no setting is a date, such as {date}"),
+    }
+}
+
+/// Has the program linked so, if the linker can.
+fn link_with(arguments: &[String]) {
+    if linker_takes(arguments) {
+        arguments.iter().for_each(|argument| println!("cargo:rustc-link-arg-bins={argument}"));
     }
 }
 

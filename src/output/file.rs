@@ -72,8 +72,9 @@ pub(super) fn open(path: &Path) -> io::Result<Opened> {
         }
     }
     let folder = target.parent().unwrap_or(Path::new("")).to_owned();
-    let pending = Pending::create(&folder, target)?;
+    let mut pending = Pending::create(&folder, target)?;
     if let Some(existing) = existing {
+        pending.replaces = true;
         // Memory cards and network drives may know no modes; that is no reason not to write.
         let _ = pending.file.as_file().set_permissions(existing.permissions());
     }
@@ -103,6 +104,8 @@ pub(super) struct Pending {
     /// What comes after that.
     held: Vec<u8>,
     target: PathBuf,
+    /// Whether there is such a file already.
+    replaces: bool,
 }
 
 impl Pending {
@@ -120,7 +123,7 @@ impl Pending {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let file = builder.tempfile_in(folder)?;
         pending.push(file.path().to_owned());
-        Ok(Self { file, written: 0, held: Vec::with_capacity(HELD_BYTES), target })
+        Ok(Self { file, written: 0, held: Vec::with_capacity(HELD_BYTES), target, replaces: false })
     }
 
     pub fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
@@ -133,6 +136,9 @@ impl Pending {
 
     fn write_held(&mut self) -> io::Result<()> {
         self.file.write_all(&self.held)?;
+        if self.replaces {
+            begin_writing(self.file.as_file(), self.written, self.held.len() as u64);
+        }
         self.written += self.held.len() as u64;
         self.held.clear();
         Ok(())
@@ -179,6 +185,18 @@ impl Pending {
         renamed
     }
 }
+
+/// Has the system begin to write to the disk what it would wait for when the file replaces another (ext4).
+#[cfg(all(feature = "system", target_os = "linux"))]
+fn begin_writing(file: &File, from: u64, bytes: u64) {
+    use nix::fcntl::{PosixFadviseAdvice, posix_fadvise};
+    // Without it, replacing takes longer, no more.
+    let _ = posix_fadvise(file, from as i64, bytes as i64, PosixFadviseAdvice::POSIX_FADV_DONTNEED);
+}
+
+/// Elsewhere the system sees to it.
+#[cfg(not(all(feature = "system", target_os = "linux")))]
+fn begin_writing(_: &File, _: u64, _: u64) {}
 
 /// Writes at an offset; what is appended goes on where it would have.
 #[cfg(unix)]

@@ -119,3 +119,15 @@ pub(super) fn default_script(key: &str) -> String {
     let script = written.as_ref().and_then(|table| table.get("gcode")?.get(key)?.as_str());
     script.unwrap_or_default().to_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_those_of_the_text() {
+        for profile in EMBEDDED {
+            assert_eq!(profile.table(), profile.text.parse::<Table>().unwrap(), "{}", profile.name);
+        }
+    }
+}
