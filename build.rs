@@ -13,7 +13,7 @@ use toml::{Table, Value};
 const SEGMENTS: [&str; 3] =
     ["-Wl,-z,max-page-size=0x200000", "-Wl,-z,separate-loadable-segments", "-Wl,--mmap-output-file"];
 /// What unwinds is part of the program: as a library of its own it takes a fiftieth of a small model's time to be loaded. The standard
-/// library asks for that library by name, and finds this. C++, as in HiGHS, has a library that needs the same.
+/// library asks for that library by name, and finds this. Not beside HiGHS: what C++ brings loads that library anyway.
 const UNWINDER: [&str; 2] = ["libgcc_s.so", "INPUT(-lgcc_eh -lgcc)\n"];
 
 fn main() {
@@ -39,7 +39,7 @@ fn variable(of: &str) -> String {
 fn write_profiles() {
     println!("cargo:rerun-if-changed=profiles");
     let mut code = String::from("static TABLES: &[(&str, &[(&str, Written)])] = &[");
-    for path in files("profiles") {
+    for path in toml_files("profiles") {
         let text = fs::read_to_string(&path).expect("a text");
         let table: Table = text.parse().unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -49,10 +49,11 @@ fn write_profiles() {
     fs::write(Path::new(&variable("OUT_DIR")).join("profiles.rs"), code).expect("the profiles, written");
 }
 
-/// The files of a folder by name.
-fn files(folder: &str) -> Vec<PathBuf> {
+/// The TOML files of a folder by name.
+fn toml_files(folder: &str) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("a folder");
     let mut paths: Vec<_> = entries.map(|entry| entry.expect("a file").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
     paths.sort();
     paths
 }
