@@ -20,13 +20,13 @@ fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     write_profiles();
     if variable("PROFILE") == "release" && variable("CARGO_CFG_TARGET_OS") == "linux" {
-        link_with(&SEGMENTS.map(str::to_owned));
+        link_with(&SEGMENTS);
         if env::var_os("CARGO_FEATURE_HIGHS").is_none() {
             let folder = PathBuf::from(variable("OUT_DIR")).join("unwinder");
             let [name, text] = UNWINDER;
             fs::create_dir_all(&folder).expect("a folder");
             fs::write(folder.join(name), text).expect("the unwinder's name, written");
-            link_with(&[format!("-L{}", folder.display())]);
+            link_with(&[&format!("-L{}", folder.display())]);
         }
     }
 }
@@ -78,14 +78,14 @@ fn written(value: &Value) -> String {
 }
 
 /// Has the program linked so, if the linker can.
-fn link_with(arguments: &[String]) {
+fn link_with(arguments: &[&str]) {
     if linker_takes(arguments) {
         arguments.iter().for_each(|argument| println!("cargo:rustc-link-arg-bins={argument}"));
     }
 }
 
 /// Whether an empty program can be linked so: not every linker knows all.
-fn linker_takes(arguments: &[String]) -> bool {
+fn linker_takes(arguments: &[&str]) -> bool {
     let (out, source) = (variable("OUT_DIR"), Path::new(&variable("OUT_DIR")).join("empty.rs"));
     if fs::write(&source, "fn main() {}").is_err() {
         return false;
