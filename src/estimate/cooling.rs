@@ -8,18 +8,26 @@ use crate::units::{MmPerS, Seconds};
 
 /// How much longer than asked a slowed layer may take.
 const SLACK: f64 = 0.01;
+/// Share of the least time that a part of a layer takes by itself, however long other tools print meanwhile.
+const OWN_SHARE: f64 = 0.5;
 
 /// Slows a layer's extrusions until it lasts `min_layer_time`; none below `min_speed` (those that are slower already
 /// stay as they are). Outermost walls, where a change of speed shows, keep theirs until all the rest is at the
 /// least speed. Returns the time that the layer takes in the end.
 ///
 /// The layer as a whole counts, however far apart its islands are: what was printed on one has the time of all
-/// others to cool.
+/// others to cool. `elsewhere`: what other tools take for each layer of a block, if this is but the part of one tool.
 ///
 /// All that is slowed together is slowed by one factor. It is bisected over the planner, since short moves never
 /// reach their speed and so gain less than their share.
-pub fn cool(layer: &mut LayerMoves, settings: &CoolingSettings, machine: &Machine) -> LayerTime {
-    let wanted = settings.min_layer_time;
+pub fn cool(
+    layer: &mut LayerMoves,
+    elsewhere: Seconds,
+    settings: &CoolingSettings,
+    machine: &Machine,
+) -> LayerTime {
+    let least = settings.min_layer_time;
+    let wanted = Seconds((least.0 - elsewhere.0).max(OWN_SHARE * least.0));
     let mut time = layer_time(layer, machine);
     if wanted.0 <= 0.0 || time.total() >= wanted {
         return time;
@@ -32,7 +40,7 @@ pub fn cool(layer: &mut LayerMoves, settings: &CoolingSettings, machine: &Machin
         }
         let spared = time.role(Role::ExternalPerimeter) + time.role(Role::OverhangPerimeter);
         let printing = if chosen { spared } else { time.printing() - spared };
-        time = Slowing { layer, moves, settings, machine }.stretch(time, printing);
+        time = Slowing { layer, moves, wanted, least: settings.min_speed, machine }.stretch(time, printing);
     }
     time
 }
@@ -53,7 +61,9 @@ fn outermost(moves: &[Move]) -> Vec<Option<bool>> {
 struct Slowing<'a> {
     layer: &'a mut LayerMoves,
     moves: Vec<usize>,
-    settings: &'a CoolingSettings,
+    wanted: Seconds,
+    /// The least speed.
+    least: MmPerS,
     machine: &'a Machine,
 }
 
@@ -61,11 +71,11 @@ impl Slowing<'_> {
     /// Slows these moves, which take `printing` of the layer's `time`, until it lasts long enough or the lowest speed
     /// is reached.
     fn stretch(mut self, time: LayerTime, printing: Seconds) -> LayerTime {
-        let wanted = self.settings.min_layer_time;
+        let wanted = self.wanted;
         let full: Vec<f64> = self.moves.iter().filter_map(|&i| speed_of(&self.layer.moves[i])).collect();
         // At this factor nothing is left above the least speed.
         let fastest = full.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let (mut too_slow, mut too_fast) = ((self.settings.min_speed.0 / fastest).min(1.0), 1.0);
+        let (mut too_slow, mut too_fast) = ((self.least.0 / fastest).min(1.0), 1.0);
         let slowest = self.slowed(&full, too_slow);
         if slowest.total() <= wanted {
             return slowest;
@@ -93,7 +103,7 @@ impl Slowing<'_> {
 
     /// The layer's time with these moves at this share of their full speed.
     fn slowed(&mut self, full: &[f64], factor: f64) -> LayerTime {
-        let least = self.settings.min_speed.0;
+        let least = self.least.0;
         for (&i, &at_full) in self.moves.iter().zip(full) {
             if let Move::Extrude { speed, .. } | Move::Ramp { speed, .. } | Move::Arc { speed, .. } =
                 &mut self.layer.moves[i]

@@ -5,6 +5,7 @@
 
 mod arc;
 mod bead;
+mod duration;
 mod ends;
 mod fan;
 mod moves;
@@ -25,6 +26,7 @@ mod swapping;
 mod tool;
 mod travel;
 
+pub(crate) use duration::least_s;
 pub use fan::set_fan;
 pub use moves::{Entry, LayerMoves, Move, SwapStep, ToolChange};
 pub use options::{

@@ -93,8 +93,10 @@ pub fn plan_layer(
     for visit in sequence {
         let Some(path) = layer.paths.get(visit.path as usize) else { continue };
         let changes = path.tool.filter(|tool| *tool != nozzle.tool);
+        let was_in_tower = nozzle.bead.is_some_and(|(role, ..)| role == Role::PrimeTower);
         if let Some(tool) = changes {
             nozzle.label(None);
+            nozzle.within_tower = was_in_tower;
             let ram = layer.rams.iter().find(|ram| ram.tool == Some(nozzle.tool));
             nozzle.change_tool(tool, ram);
         }
@@ -108,8 +110,9 @@ pub fn plan_layer(
             nozzle.draw_revolution(path, &vertices, rises, stop.take());
             continue;
         }
-        let was_in_tower = nozzle.bead.is_some_and(|(role, ..)| role == Role::PrimeTower);
-        nozzle.within_tower = was_in_tower && changes.is_none() && path.role == Role::PrimeTower;
+        // After a change the nozzle is where it was only if the tower was rammed there.
+        let is_in_tower = if changes.is_some() { nozzle.at.is_some() } else { was_in_tower };
+        nozzle.within_tower = is_in_tower && path.role == Role::PrimeTower;
         nozzle.travel(start.at, path.island, stop.take());
         if std::mem::take(&mut is_empty) {
             nozzle.moves.pop_if(|step| matches!(step, Move::Unretract { .. }));

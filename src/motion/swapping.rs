@@ -74,23 +74,20 @@ impl Nozzle<'_> {
         let moves = if cooled_mm > QUICK_MM { swap.cooling_moves } else { 0 };
         let [first, last] = swap.cooling_speed.map(|speed| speed.0);
         let steps = f64::from((2 * moves).saturating_sub(1).max(1));
-        let home = self.at;
+        let places = [self.at, aside];
         for turn in 0..moves {
             if turn > 0 && swap.stamping.0 > 0.0 {
                 let stamped_mm = swap.stamping.0 + tube_mm / 2.0;
-                self.go(aside);
                 self.filament(stamped_mm, swap.stamping_speed);
                 self.filament(-stamped_mm, speed);
-                self.go(home);
             }
             if turn + 1 == moves {
                 self.moves.extend(warm_again.clone());
             }
             let of_step = |step: u32| MmPerS(first + (last - first) * f64::from(step) / steps);
             self.filament(tube_mm, of_step(2 * turn));
-            self.go(aside);
+            self.go(places[(turn as usize + 1) % 2]);
             self.filament(-tube_mm, of_step(2 * turn + 1));
-            self.go(home);
         }
         if moves == 0 {
             self.moves.extend(warm_again);

@@ -55,6 +55,8 @@ impl Nozzle<'_> {
             self.go(back);
             self.load();
             self.retracted_mm = 0.0;
+        } else if ram.is_some() && was.swap.sensor_off {
+            self.moves.push(Move::Swap(SwapStep::Sensor(true)));
         }
         if is_raised {
             self.moves.push(Move::Swap(SwapStep::HighCurrent(false)));

@@ -412,7 +412,7 @@ impl LayerMaker<'_> {
         let from = batch.entries[i].clone();
         let mut moves = motion::plan_layer(paths, sequence, from, &self.motion);
         moves.index += before;
-        let time = cool(&mut moves, &self.settings.cooling, &self.machine);
+        let time = cool(&mut moves, paths.turn.elsewhere, &self.settings.cooling, &self.machine);
         motion::set_fan(&mut moves, time.total(), &self.motion);
         let cools = self.motion.cool_down();
         let timeline = cools.then(|| Timeline::new(&moves, &move_times_s(&moves, &self.machine)));

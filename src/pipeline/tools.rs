@@ -101,7 +101,7 @@ impl Tooled {
             tooled.add_tower(round, site, settings, workers)?;
         }
         let each = tooled.layers.iter().zip(&all_blocks);
-        tooled.passes = each.map(|(layers, blocks)| blocks::passes(layers, blocks)).collect();
+        tooled.passes = each.map(|(layers, blocks)| blocks::passes(layers, blocks, settings)).collect();
         Ok(Some(tooled))
     }
 

@@ -5,9 +5,10 @@ use std::ops::Range;
 
 use super::sections::hull_mm;
 use crate::gcode::ToolChangeKind;
-use crate::motion::PauseAt;
+use crate::motion::{MotionSettings, PauseAt, least_s};
 use crate::profile::Settings;
 use crate::toolpath::{LayerKind, LayerPaths, Path, Role, ToolId, Turn};
+use crate::units::Seconds;
 use geometry::{Point, Region, Ring};
 
 /// Objects so far apart are clear of what is wider than the nozzle's tip where one of them is half a millimetre higher: most
@@ -163,7 +164,8 @@ impl Pass {
 
 /// The parts of the layers of blocks, in the order in which they are printed: of each block those of its first tool, layer by layer,
 /// then those of the next, which is flushed into the tower as high as the block is.
-pub(crate) fn passes(layers: &[LayerPaths], blocks: &[Block]) -> Vec<Pass> {
+pub(crate) fn passes(layers: &[LayerPaths], blocks: &[Block], settings: &Settings) -> Vec<Pass> {
+    let motion = MotionSettings::new(settings, &[]);
     let mut passes = Vec::with_capacity(layers.len());
     for block in blocks {
         let top = block.end - 1;
@@ -171,12 +173,21 @@ pub(crate) fn passes(layers: &[LayerPaths], blocks: &[Block]) -> Vec<Pass> {
             passes.push(Pass { layer: top, of: None, turn: Turn::default() });
             continue;
         }
-        for (number, &tool) in layers[top].tools.iter().enumerate() {
+        let tools = &layers[top].tools;
+        let changes_s: f64 = tools.iter().skip(1).map(|&tool| motion.of_tool(tool).change_time.0).sum();
+        let least_s = |of: &dyn Fn(&&Path) -> bool| -> f64 {
+            let block = &layers[block.clone()];
+            block.iter().map(|layer| least_s(layer.paths.iter().filter(of), layer.index, &motion)).sum()
+        };
+        for (number, &tool) in tools.iter().enumerate() {
             let is_later = number > 0;
+            let others_s = changes_s + least_s(&|path| path.tool != Some(tool));
+            let elsewhere = Seconds(others_s / block.len() as f64);
             let pass = |layer: usize, laid: Laid| {
                 let is_below = is_later && layer < top;
                 let beside_mm = if is_below { layers[top].top_mm } else { 0.0 };
-                Pass { layer, of: Some((tool, laid)), turn: Turn { is_later, beside_mm, primes: false } }
+                let turn = Turn { is_later, beside_mm, elsewhere, primes: false };
+                Pass { layer, of: Some((tool, laid)), turn }
             };
             let laid = if is_later { Laid::Objects } else { Laid::All };
             let tower = is_later.then(|| pass(top, Laid::Tower));

@@ -1,6 +1,7 @@
 //! A layer of the prime tower: what each change lays into it.
 
 use crate::motion::SwapSettings;
+use crate::profile::Settings;
 use crate::toolpath::{Path, Phase, Role, ToolId, Width, bead};
 use geometry::Point;
 
@@ -14,6 +15,8 @@ pub(super) struct Floor {
     pub depth_mm: f64,
     /// The tool that prints frame and lines: the one that is flushed most, or the one that is in use.
     pub rest: ToolId,
+    /// What tools are flushed into.
+    pub lines: Lines,
     pub changes: Vec<Flush>,
 }
 
@@ -27,32 +30,50 @@ pub(super) struct Flush {
     pub mm3: f64,
 }
 
+/// Lines that fill an area of the tower.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Lines {
+    /// Their width, of the tower's lines.
+    pub width: f64,
+    /// Their distance, of their width.
+    pub spacing: f64,
+}
+
 /// What ramming lays before a tool is left.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ram {
     pub mm3: f64,
-    /// Width of its lines and their distance, of the tower's width and of theirs.
-    width: f64,
-    spacing: f64,
+    lines: Lines,
 }
 
-/// Lines of ramming.
-pub(super) struct Rammed {
+/// Lines from one side of the frame to the other, each joined to the next.
+pub(super) struct Rows {
     pub width_mm: f64,
-    pub length_mm: f64,
+    /// Distance at which they would touch each other.
+    pub line_mm: f64,
     pub spacing_mm: f64,
-    pub rows: usize,
+    pub length_mm: f64,
+    pub count: usize,
 }
 
 impl From<&SwapSettings> for Ram {
     fn from(swap: &SwapSettings) -> Self {
-        Self { mm3: swap.rammed_mm3(), width: swap.ramming_width.0, spacing: swap.ramming_spacing.0 }
+        let lines = Lines { width: swap.ramming_width.0, spacing: swap.ramming_spacing.0 };
+        Self { mm3: swap.rammed_mm3(), lines }
     }
 }
 
-impl Rammed {
+impl Lines {
+    /// Those that tools are flushed into.
+    pub fn of_flushes(on_bed: bool, settings: &Settings) -> Self {
+        let tower = &settings.prime_tower;
+        Self { width: tower.flush_width.0, spacing: if on_bed { 1.0 } else { tower.flush_spacing.0 } }
+    }
+}
+
+impl Rows {
     pub fn depth_mm(&self) -> f64 {
-        self.rows as f64 * self.spacing_mm
+        self.count as f64 * self.spacing_mm
     }
 }
 
@@ -69,14 +90,23 @@ impl Floor {
         bead::spacing_mm(self.width_mm(tool), self.height_mm)
     }
 
-    pub fn length_mm(&self, tool: ToolId, volume_mm3: f64) -> f64 {
-        volume_mm3 / self.area_mm2(tool)
+    /// The rows that a volume of a tool takes, where there is so much room inside of the frame.
+    fn rows(&self, tool: ToolId, volume_mm3: f64, lines: Lines, inside_mm: f64) -> Rows {
+        let width_mm = self.width_mm(tool) * lines.width;
+        let line_mm = bead::spacing_mm(width_mm, self.height_mm);
+        let length_mm = volume_mm3 / bead::area_mm2(width_mm, self.height_mm).max(f64::MIN_POSITIVE);
+        let count = if volume_mm3 > 0.0 { ((length_mm + line_mm) / inside_mm).ceil() as usize } else { 0 };
+        Rows { width_mm, line_mm, spacing_mm: line_mm * lines.spacing, length_mm, count }
     }
 
-    /// Rows that a flush takes, each so long.
-    pub fn rows(&self, tool: ToolId, volume_mm3: f64, row_mm: f64) -> usize {
-        let spacing_mm = self.spacing_mm(tool);
-        ((self.length_mm(tool, volume_mm3) + spacing_mm) / (row_mm + spacing_mm)).ceil() as usize
+    /// What is rammed at a change.
+    pub fn rammed(&self, change: &Flush, inside_mm: f64) -> Rows {
+        self.rows(change.from, change.ram.mm3, change.ram.lines, inside_mm)
+    }
+
+    /// What is flushed at a change, less so much.
+    pub fn flushed(&self, change: &Flush, less_mm3: f64, inside_mm: f64) -> Rows {
+        self.rows(change.to, change.mm3 - less_mm3, self.lines, inside_mm)
     }
 
     /// Depth that the layer needs for a tower so wide.
@@ -90,12 +120,11 @@ impl Floor {
     /// Depth that all changes take, with the frame; so much of what is flushed most is laid elsewhere.
     fn filled_mm(&self, width_mm: f64, elsewhere_mm3: f64) -> f64 {
         let frame_mm = self.spacing_mm(self.rest);
+        let inside_mm = width_mm - 2.0 * frame_mm;
         let depth_mm = |change: &Flush| {
-            let spacing_mm = self.spacing_mm(change.to);
             let less_mm3 = if change.to == self.rest { elsewhere_mm3 } else { 0.0 };
-            let row_mm = width_mm - 2.0 * frame_mm - spacing_mm;
-            let rows = self.rows(change.to, (change.mm3 - less_mm3).max(0.0), row_mm);
-            self.rammed(change, width_mm - 2.0 * frame_mm).depth_mm() + rows as f64 * spacing_mm
+            let rows = [self.rammed(change, inside_mm), self.flushed(change, less_mm3, inside_mm)];
+            rows.iter().map(Rows::depth_mm).sum::<f64>()
         };
         self.changes.iter().map(depth_mm).sum::<f64>() + 2.0 * frame_mm
     }
@@ -116,15 +145,6 @@ impl Floor {
         for change in self.changes.iter_mut().filter(|change| change.to == rest) {
             change.mm3 = (change.mm3 - frame_mm3 - lines_mm3).max(0.0);
         }
-    }
-
-    /// The lines of ramming at a change, where there is so much room inside of the frame.
-    pub fn rammed(&self, change: &Flush, inside_mm: f64) -> Rammed {
-        let width_mm = self.width_mm(change.from) * change.ram.width;
-        let length_mm = change.ram.mm3 / bead::area_mm2(width_mm, self.height_mm).max(f64::MIN_POSITIVE);
-        let line_mm = bead::spacing_mm(width_mm, self.height_mm);
-        let rows = ((length_mm + line_mm) / inside_mm).ceil() as usize;
-        Rammed { width_mm, length_mm, spacing_mm: line_mm * change.ram.spacing, rows }
     }
 
     pub fn path(&self, points: Vec<Point>, closed: bool, tool: ToolId, turn: u32) -> Path {

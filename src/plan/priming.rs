@@ -1,10 +1,10 @@
 //! Priming: lines at an edge of the bed on which each tool is loaded and flushed before the first layer.
 
-use super::floor::{Floor, Flush, Ram, zigzag};
+use super::floor::{Floor, Flush, Lines, Ram, Rows, zigzag};
 use super::tower::CLEAR_MM;
 use crate::plate::BedShape;
 use crate::profile::Settings;
-use crate::toolpath::{LayerKind, LayerPaths, Path, ToolId, Turn, Width, bead};
+use crate::toolpath::{LayerKind, LayerPaths, Path, ToolId, Turn, Width};
 use geometry::{Point, Polygon, Region};
 
 /// What tells that filament arrives, of a tool that another follows, mm³.
@@ -72,6 +72,7 @@ impl Priming {
             widths_mm: widths_mm.to_vec(),
             depth_mm: 0.0,
             rest,
+            lines: Lines::of_flushes(true, settings),
             changes: Vec::new(),
         };
         let kept_free = geometry::union(&geometry::offset(taken, CLEAR_MM), &bed.excluded());
@@ -107,27 +108,24 @@ impl Priming {
     /// Lays what a tool is flushed with and, after it, what it is rammed with, from a corner inwards; returns the depth of both.
     fn lay(&mut self, flush: &Flush, from: [f64; 2], each_mm: f64, inwards: f64, floor: &Floor) -> f64 {
         let tool = flush.to;
-        let own_mm = floor.spacing_mm(tool);
-        let rammed = floor.rammed(flush, each_mm - own_mm);
         // Places are a line apart.
-        let lines = |line_mm: f64, apart_mm: f64, depth_mm: f64, rows: usize, length_mm: f64| {
-            let [left, right] = [from[0] + line_mm / 2.0, from[0] + each_mm - own_mm - line_mm / 2.0];
-            let first_mm = from[1] + inwards * (depth_mm + apart_mm / 2.0);
-            let last_mm = first_mm + inwards * (rows - 1) as f64 * apart_mm;
-            zigzag([left, first_mm], [right, last_mm], 0, rows, Some(length_mm))
+        let inside_mm = each_mm - floor.spacing_mm(tool);
+        let zigzag_of = |rows: &Rows, depth_mm: f64| {
+            let [left, right] = [from[0] + rows.line_mm / 2.0, from[0] + inside_mm - rows.line_mm / 2.0];
+            let first_mm = from[1] + inwards * (depth_mm + rows.spacing_mm / 2.0);
+            let last_mm = first_mm + inwards * (rows.count - 1) as f64 * rows.spacing_mm;
+            zigzag([left, first_mm], [right, last_mm], 0, rows.count, Some(rows.length_mm))
         };
-        let rows = floor.rows(tool, flush.mm3, each_mm - 2.0 * own_mm).max(1);
-        let points = lines(own_mm, own_mm, 0.0, rows, floor.length_mm(tool, flush.mm3));
-        self.paths.push(floor.path(points, false, tool, 0));
-        let depth_mm = rows as f64 * own_mm;
-        if rammed.rows == 0 {
-            return depth_mm;
+        let (flushed, rammed) = (floor.flushed(flush, 0.0, inside_mm), floor.rammed(flush, inside_mm));
+        let mut depth_mm = 0.0;
+        for (rows, laid) in [(flushed, &mut self.paths), (rammed, &mut self.rams)] {
+            if rows.count > 0 {
+                let width = Width::Constant(rows.width_mm);
+                laid.push(Path { width, ..floor.path(zigzag_of(&rows, depth_mm), false, tool, 0) });
+                depth_mm += rows.depth_mm();
+            }
         }
-        let line_mm = bead::spacing_mm(rammed.width_mm, floor.height_mm);
-        let points = lines(line_mm, rammed.spacing_mm, depth_mm, rammed.rows, rammed.length_mm);
-        self.rams
-            .push(Path { width: Width::Constant(rammed.width_mm), ..floor.path(points, false, tool, 0) });
-        depth_mm + rammed.depth_mm()
+        depth_mm
     }
 
     /// Its layer, which comes before all others.

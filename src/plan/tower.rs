@@ -1,9 +1,9 @@
 //! The prime tower: where tools are flushed that others follow.
 
-use super::floor::{Floor, Flush, Ram, zigzag};
+use super::floor::{Floor, Flush, Lines, Ram, Rows, zigzag};
 use super::flush::flushed_into_mm3;
 use crate::profile::Settings;
-use crate::toolpath::{LayerPaths, Path, Width, bead};
+use crate::toolpath::{LayerPaths, Path, Width};
 use geometry::{Point, Polygon, Region};
 
 /// Depth of a tower that flushes little, millimetres; a high one is deeper.
@@ -48,7 +48,8 @@ impl Tower {
             let first = layer.tools.first().copied().unwrap_or(tool);
             let most = changes.iter().max_by(|a: &&Flush, b| a.mm3.total_cmp(&b.mm3));
             let rest = most.map_or(first, |change| change.to);
-            floors.push(Floor { height_mm, widths_mm, depth_mm: 0.0, rest, changes });
+            let lines = Lines::of_flushes(floors.is_empty(), settings);
+            floors.push(Floor { height_mm, widths_mm, depth_mm: 0.0, rest, lines, changes });
             below_mm = layer.top_mm;
         }
         let last = floors.iter().rposition(|floor| !floor.changes.is_empty())?;
@@ -77,11 +78,12 @@ impl Tower {
         let least_mm = if layer.adaptive { layer.min_height.0 } else { layer.height.0 };
         let heights_mm = [layer.first_height.0, least_mm];
         // How wide lines are matters little: as much narrower, as many more of them there are.
-        let floor = |(height_mm, widths_mm)| {
-            let changes = changes.clone();
-            Floor { height_mm, widths_mm, depth_mm: 0.0, rest: 0, changes }
+        let floor = |(is_first, (height_mm, widths_mm))| {
+            let (lines, changes) = (Lines::of_flushes(is_first, settings), changes.clone());
+            Floor { height_mm, widths_mm, depth_mm: 0.0, rest: 0, lines, changes }
         };
-        let floors = heights_mm.into_iter().zip(settings.widths_beside_mm()).map(floor).collect();
+        let sizes = heights_mm.into_iter().zip(settings.widths_beside_mm());
+        let floors = [true, false].into_iter().zip(sizes).map(floor).collect();
         Some(Self::of(floors, height_mm, settings))
     }
 
@@ -126,29 +128,22 @@ impl Tower {
             [corner_mm[0] + self.size_mm[0] - spacing_mm, corner_mm[1] + depth_mm - spacing_mm],
         ];
         let inside_mm = inner[1][0] - inner[0][0];
-        let rows_of = |y_mm: f64, own_mm: f64, apart_mm: f64, rows: usize, length_mm: f64| {
-            let [left, right] = [inner[0][0] + own_mm / 2.0, inner[1][0] - own_mm / 2.0];
-            let first_mm = y_mm + apart_mm / 2.0;
-            let top_mm = first_mm + (rows - 1) as f64 * apart_mm;
-            zigzag([left, first_mm], [right, top_mm], 0, rows, Some(length_mm))
+        let zigzag_of = |rows: &Rows, y_mm: f64| {
+            let [left, right] = [inner[0][0] + rows.line_mm / 2.0, inner[1][0] - rows.line_mm / 2.0];
+            let first_mm = y_mm + rows.spacing_mm / 2.0;
+            let top_mm = first_mm + (rows.count - 1) as f64 * rows.spacing_mm;
+            zigzag([left, first_mm], [right, top_mm], 0, rows.count, Some(rows.length_mm))
         };
         let (mut paths, mut rams) = (Vec::new(), Vec::new());
         let mut y_mm = inner[0][1];
         for change in &floor.changes {
-            let rammed = floor.rammed(change, inside_mm);
-            if rammed.rows > 0 {
-                let line_mm = bead::spacing_mm(rammed.width_mm, floor.height_mm);
-                let points = rows_of(y_mm, line_mm, rammed.spacing_mm, rammed.rows, rammed.length_mm);
-                let width = Width::Constant(rammed.width_mm);
-                rams.push(Path { width, ..floor.path(points, false, change.from, 0) });
-                y_mm += rammed.depth_mm();
-            }
-            let own_mm = floor.spacing_mm(change.to);
-            let rows = floor.rows(change.to, change.mm3, inside_mm - own_mm);
-            if rows > 0 {
-                let points = rows_of(y_mm, own_mm, own_mm, rows, floor.length_mm(change.to, change.mm3));
-                paths.push(floor.path(points, false, change.to, 0));
-                y_mm += rows as f64 * own_mm;
+            let (rammed, flushed) = (floor.rammed(change, inside_mm), floor.flushed(change, 0.0, inside_mm));
+            for (tool, rows, laid) in [(change.from, rammed, &mut rams), (change.to, flushed, &mut paths)] {
+                if rows.count > 0 {
+                    let width = Width::Constant(rows.width_mm);
+                    laid.push(Path { width, ..floor.path(zigzag_of(&rows, y_mm), false, tool, 0) });
+                    y_mm += rows.depth_mm();
+                }
             }
         }
         let low = [inner[0][0] + spacing_mm / 2.0, y_mm + spacing_mm / 2.0];

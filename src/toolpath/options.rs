@@ -363,6 +363,10 @@ section! {
         brim: Mm = Mm(3.0); 0.0..=50.0,
         /// Distance of the lines where a layer flushes nothing.
         line_distance: Mm = Mm(2.5); 0.5..=20.0,
+        /// Width of the lines that tools are flushed into, of the other lines: the wider, the fewer turns.
+        flush_width: Ratio = Ratio(2.0); 0.5..=5.0,
+        /// Distance of these lines, of their width; on the first layer they touch each other.
+        flush_spacing: Ratio = Ratio(1.0); 1.0..=5.0,
         /// Before the first layer, load and flush each tool that prints at the front edge of the bed, or at the back edge: the start script is told, which then primes none.
         at_start: bool = false,
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::spiral::Rise;
+use crate::units::Seconds;
 use geometry::{Point, Region};
 
 /// What a path is for. The order of the variants is the order in which an island is printed by default.
@@ -221,6 +222,8 @@ pub struct Turn {
     /// Top of what stands beside it already, without Z offset, over which the nozzle passes from island to island, millimetres;
     /// 0: nothing is higher.
     pub beside_mm: f64,
+    /// What other tools take at least for as much, before the next part of this tool or after the last one.
+    pub elsewhere: Seconds,
     /// Whether its tools are primed in it, before all layers; the first of them is loaded then.
     pub primes: bool,
 }

@@ -144,3 +144,46 @@ fn objects_of_other_heights_are_as_high_as_others_where_tools_change() {
         assert!(changes > 10, "{changes}");
     }
 }
+
+/// How long the parts of layers above the first ones take at least: their beads at their speeds, seconds.
+fn parts_s(print: &Print) -> Vec<f64> {
+    let (mut parts, mut tower) = (Vec::new(), false);
+    for step in replay(&print.text) {
+        if step.line.text.starts_with(b";LAYER_CHANGE") {
+            parts.push(0.0);
+        }
+        match step.action {
+            Action::Type(name) => tower = name == b"Wipe tower",
+            Action::Stroke(stroke) if stroke.extrudes() && !tower => {
+                if let Some(part_s) = parts.last_mut() {
+                    *part_s += stroke.xy_mm / stroke.feed_mm_s;
+                }
+            }
+            _ => {}
+        }
+    }
+    parts.split_off(6)
+}
+
+#[test]
+fn what_other_tools_take_is_time_to_cool_but_for_half_of_the_least_time() {
+    let of = |least_s: f64, change_s: f64| {
+        let sets = [
+            "tool_change.ahead=0.4".to_owned(),
+            format!("cooling.min_layer_time={least_s}"),
+            format!("tool_change.time={change_s}"),
+        ];
+        parts_s(&print(8.0, &sets.each_ref().map(String::as_str)).0)
+    };
+    let shortest = |parts: &[f64]| parts.iter().copied().filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+    let full = of(0.0, 0.0);
+    let full_s = shortest(&full);
+    assert_eq!(of(1.9 * full_s, 200.0), full);
+    let sum = |change_s: f64| of(6.0 * full_s, change_s).iter().sum::<f64>();
+    assert!(sum(0.0) > 1.1 * sum(200.0), "{} s, {} s", sum(0.0), sum(200.0));
+    // Half of it, most of which is beads at their speeds.
+    let (least_s, mut halved) = (10.0 * full_s, of(10.0 * full_s, 200.0));
+    halved.sort_by(f64::total_cmp);
+    let usual_s = halved[2 * halved.len() / 3];
+    assert!((0.9..=1.1).contains(&(2.0 * usual_s / least_s)), "{usual_s} s of {least_s} s");
+}

@@ -9,7 +9,9 @@ use pathwright::check::Kind;
 use pathwright::estimate::Machine;
 use pathwright::gcode::{Action, file_time, replay};
 use pathwright::job::{Job, ObjectSettings};
-use pathwright::profile::Settings;
+use pathwright::profile::{self, Settings};
+use pathwright::toolpath::bead;
+use pathwright::units::Mm;
 
 #[test]
 fn the_summary_counts_changes_waits_and_scripts_as_the_file_is_timed() {
@@ -38,6 +40,7 @@ fn the_summary_counts_changes_waits_and_scripts_as_the_file_is_timed() {
 #[test]
 fn tools_that_come_again_soon_stay_hot_so_that_scripts_which_wait_before_they_take_one_wait_for_little() {
     let (print, settings) = pair(&[
+        "prime_tower.flush_width=1",
         "tool_change.kind=tool-changer",
         "tools.1.idle_temperature=120",
         "tools.2.idle_temperature=120",
@@ -225,6 +228,37 @@ fn travels_within_the_tower_are_not_retracted() {
 }
 
 #[test]
+fn tools_are_flushed_into_lines_so_wide_and_so_far_apart() {
+    let sets =
+        ["tool_change.flush_volume=200", "prime_tower.flush_width=2.5", "prime_tower.flush_spacing=1.2"];
+    let (print, settings) = pair(&sets);
+    let area_mm2 = profile::filament_area_mm2(Mm(1.75));
+    let height_mm = settings.layer.height.0;
+    let usual_mm2 = bead::area_mm2(settings.walls.width.0, height_mm);
+    let wide_mm2 = bead::area_mm2(2.5 * settings.walls.width.0, height_mm);
+    let (mut tower, mut layer, mut rows) = (false, 0, Vec::new());
+    for step in replay(&print.text) {
+        layer += usize::from(step.line.text.starts_with(b";LAYER_CHANGE"));
+        match step.action {
+            Action::Type(name) => tower = name == b"Wipe tower",
+            Action::Stroke(stroke) if stroke.extrudes() && tower && layer > 1 && stroke.xy_mm > 5.0 => {
+                let mm2 = stroke.fresh_mm3(area_mm2) / stroke.xy_mm;
+                let is_wide = mm2 > 1.5 * usual_mm2;
+                assert!((mm2 / if is_wide { wide_mm2 } else { usual_mm2 } - 1.0).abs() < 0.02, "{mm2} mm²");
+                if is_wide && stroke.from[1] == stroke.to[1] {
+                    rows.push((layer, stroke.from[1]));
+                }
+            }
+            _ => {}
+        }
+    }
+    let wanted_mm = 1.2 * bead::spacing_mm(2.5 * settings.walls.width.0, height_mm);
+    let apart = rows.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1 - pair[0].1);
+    assert!(apart.clone().count() > 20);
+    assert!(apart.clone().all(|mm| (mm - wanted_mm).abs() < 0.002), "{:?}", apart.collect::<Vec<_>>());
+}
+
+#[test]
 fn an_object_that_takes_flushes_is_whole_of_both_tools_and_spares_the_tower() {
     let folder = tempfile::tempdir().unwrap();
     let base = several(2, &["tool_change.flush_volume=60", "skirt.loops=0"]);
@@ -361,7 +395,7 @@ fn lines_are_as_wide_as_the_nozzle_of_their_tool_asks_or_as_it_says() {
         assert!(found.iter().all(near), "tool {tool}, {kind}: {found:?}, wanted {wanted_mm}");
     };
     let nozzle = "tools.2.printer.nozzle_diameter=0.6";
-    let (print, settings) = pair(&[nozzle]);
+    let (print, settings) = pair(&[nozzle, "prime_tower.flush_width=1"]);
     for kind in ["Perimeter", "External perimeter", "Internal infill", "Wipe tower"] {
         is(&print, 0, kind, 0.45);
         is(&print, 1, kind, 0.675);

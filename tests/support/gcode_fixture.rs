@@ -147,7 +147,7 @@ pub fn plan(layers: &[LayerPaths], settings: &Settings, pauses: &[PauseAt]) -> V
             let sequence = sequence(layer);
             let mut moves = plan_layer(layer, &sequence, from.clone(), &motion);
             from = exit(layer, &sequence, std::mem::take(&mut from), &motion);
-            let time = cool(&mut moves, &settings.cooling, &machine);
+            let time = cool(&mut moves, layer.turn.elsewhere, &settings.cooling, &machine);
             assert_eq!(time, layer_time(&moves, &machine));
             (moves, time)
         })

@@ -18,6 +18,11 @@ fn number(config: &Config, key: &str) -> Outcome {
     of_several(config, || config.number(key).map(Value::Float))
 }
 
+/// A percentage, whether or not it says so.
+fn percent(config: &Config, key: &str) -> Outcome {
+    of_several(config, || Some(Value::Float(config.number_of(key, Some(100.0))? / 100.0)))
+}
+
 /// A number that is looked for under two names.
 fn either(config: &Config, keys: [&str; 2]) -> Outcome {
     of_several(config, || keys.iter().find_map(|key| config.number(key)).map(Value::Float))
@@ -202,6 +207,14 @@ pub(super) fn tower_width(config: &Config) -> Outcome {
 
 pub(super) fn tower_line_distance(config: &Config) -> Outcome {
     number(config, "wipe_tower_bridging")
+}
+
+pub(super) fn tower_flush_width(config: &Config) -> Outcome {
+    percent(config, "wipe_tower_extra_flow")
+}
+
+pub(super) fn tower_flush_spacing(config: &Config) -> Outcome {
+    percent(config, "wipe_tower_extra_spacing")
 }
 
 pub(super) fn tower_brim(config: &Config) -> Outcome {

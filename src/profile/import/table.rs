@@ -688,6 +688,13 @@ pub(super) static ROWS: &[Row] = &[
         "of several extruders",
         t::tower_line_distance,
     ),
+    with("prime_tower.flush_width", &["wipe_tower_extra_flow"], "of several extruders", t::tower_flush_width),
+    with(
+        "prime_tower.flush_spacing",
+        &["wipe_tower_extra_spacing"],
+        "of several extruders",
+        t::tower_flush_spacing,
+    ),
     with(
         "prime_tower.at_start",
         &["single_extruder_multi_material_priming"],

@@ -18,7 +18,7 @@ const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
 
 /// Extensions that are understood, or that say nothing about shapes.
-const UNDERSTOOD: [&str; 7] = [
+const UNDERSTOOD: [&str; 9] = [
     CORE,
     PRODUCTION,
     BEAMS,
@@ -26,6 +26,9 @@ const UNDERSTOOD: [&str; 7] = [
     "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07",
     MATERIALS,
     "http://www.w3.org/XML/1998/namespace",
+    // What PrusaSlicer and OrcaSlicer save with objects is read where it is found.
+    "http://schemas.slic3r.org/3mf/2017/06",
+    "http://schemas.bambulab.com/package/2021",
 ];
 
 /// What extensions that are not understood are called, by a part of their address.
