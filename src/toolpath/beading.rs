@@ -58,6 +58,9 @@ const FACING: f64 = -0.7;
 /// Corners whose squared sine is less are none, or needles.
 const NEARLY_STRAIGHT: f64 = 0.05;
 
+/// A bead passes the tip of a wedge in its boundary at most this many times as far as its sides.
+const BEYOND_WEDGE: f64 = 2.0;
+
 /// The thickness is looked up at least this often, in spacings.
 const STEP: f64 = 0.6;
 
@@ -241,7 +244,12 @@ impl Sides<'_> {
         let square = 1.0 - cosine * cosine;
         let by = if square > NEARLY_STRAIGHT {
             let (along_a, along_b) = ((from - to * cosine) / square, (to - from * cosine) / square);
-            [0, 1].map(|k| along_a * a[k] + along_b * b[k])
+            let by = [0, 1].map(|k| along_a * a[k] + along_b * b[k]);
+            // About the tip of a wedge the bead turns near by, which may be narrow there.
+            let furthest_mm = BEYOND_WEDGE * from.max(to);
+            let is_wedge = a[0] * b[1] < a[1] * b[0];
+            let share = if is_wedge { (furthest_mm / real::hypot(by[0], by[1])).min(1.0) } else { 1.0 };
+            by.map(|by| share * by)
         } else {
             [0, 1].map(|k| (from * a[k] + to * b[k]) / 2.0)
         };
