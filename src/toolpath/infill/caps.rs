@@ -43,7 +43,7 @@ impl LineSet {
 pub(super) struct Cap {
     /// Vertices with the spacing there.
     pub(super) bead: Vec<(Point, f32)>,
-    /// The chord ends (chord, side) that the bead starts and ends beside; one that is broken starts there only.
+    /// The chord ends (chord, side) that the bead starts and ends beside, of one of several that it starts beside.
     pub(super) ends: [(u32, u8); 2],
     /// Whether it leads from one chord on to another.
     pub(super) through: bool,
@@ -131,31 +131,30 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
                 .collect();
             let ends = [(from.chord, from.side), (to.chord, to.side)];
             let parts = wide_parts(&profile, NARROWEST * distance_mm);
-            if outer {
-                caps.extend(parts.into_iter().map(|bead| Cap { bead, ends, through: false, used: false }));
-            } else {
-                let is_whole = parts.first().is_some_and(|part| part.len() >= profile.len());
-                caps.extend(between(parts, ends, is_whole));
-            }
+            // Beyond one chord a bead goes from one of its ends to the other, but leads nowhere.
+            let whole = parts.first().is_some_and(|part| outer || part.len() >= profile.len());
+            caps.extend(beside(parts, ends, whole).map(|cap| Cap { through: cap.through && !outer, ..cap }));
         }
     }
     caps
 }
 
-/// The caps from one chord's end to another's. Where there are several, or one that is not `whole`, each is reached from the
-/// end on its own side.
-fn between(parts: Vec<Vec<(Point, f32)>>, ends: [(u32, u8); 2], whole: bool) -> impl Iterator<Item = Cap> {
+/// The caps from one chord's end to another's. Where there are several, or one that is not `whole`, the first and the last are
+/// each reached from the end on its own side.
+fn beside(parts: Vec<Vec<(Point, f32)>>, ends: [(u32, u8); 2], whole: bool) -> impl Iterator<Item = Cap> {
+    const NONE: (u32, u8) = (u32::MAX, 0);
     let count = parts.len();
     let through = count == 1 && whole;
     parts.into_iter().enumerate().map(move |(k, mut bead)| {
-        let mut ends = ends;
-        if !through {
-            if k + 1 == count && k > 0 {
+        let ends = match k {
+            _ if through => ends,
+            0 => [ends[0], NONE],
+            _ if k + 1 == count => {
                 bead.reverse();
-                ends.swap(0, 1);
+                [ends[1], NONE]
             }
-            ends[1] = (u32::MAX, 0);
-        }
+            _ => [NONE; 2],
+        };
         Cap { bead, ends, through, used: false }
     })
 }
@@ -194,7 +193,7 @@ fn wedge(
         return Vec::new();
     }
     let ends = [(from.chord, from.side), (to.chord, to.side)];
-    between(wide_parts(&profile, NARROWEST * distance_mm), ends, true).collect()
+    beside(wide_parts(&profile, NARROWEST * distance_mm), ends, true).collect()
 }
 
 /// The parts of a polyline at least `least_mm` wide, cut where the width, linear in between, passes that.

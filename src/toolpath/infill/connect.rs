@@ -394,6 +394,7 @@ impl Around {
 #[cfg(test)]
 mod tests {
     use super::super::lines::parallel;
+    use super::super::spec::LineSet;
     use super::*;
     use geometry::Polygon;
 
@@ -435,5 +436,22 @@ mod tests {
             connect(&room, vec![first, second], &joins).len()
         };
         assert_eq!([count(0.0), count(0.2)], [1, 2]);
+    }
+
+    #[test]
+    fn each_end_of_a_line_goes_on_beside_itself() {
+        // Above the uppermost line and below the lowest one there is room at both sides, none in the middle.
+        let outer = [(0.0, 0.0), (5.0, 0.2), (10.0, 0.0), (10.0, 4.4), (5.0, 4.2), (0.0, 4.4)];
+        let outer = outer.map(|(x, y)| Point::from_mm(x, y)).to_vec();
+        let room = Region::from(Polygon { outer, holes: Vec::new() });
+        let hatch = LineSet::new(0.0, 0.4, 0.2);
+        let joins = Joins { hatch: Some(hatch), ..Joins::default() };
+        let lines = parallel(&room, 0.0, 0.4, 0.2, &joins);
+        let beside: Vec<&Line> = lines.iter().filter(|line| line.points.len() > 2).collect();
+        assert_eq!(beside.len(), 2);
+        for line in beside {
+            let length_mm = geometry::polyline_length_mm(&line.points);
+            assert!((18.0..20.0).contains(&length_mm), "there and back: {length_mm} mm");
+        }
     }
 }
