@@ -9,6 +9,10 @@ use super::pack::{Footprint, group_box};
 /// Fits may be exact: a 250 mm plate on a 250 mm bed, with the noise of binary floating point.
 pub(super) const TOLERANCE_MM: f64 = 1e-4;
 
+/// Turns about Z that are tried, in degrees, and the square one.
+const TURN: u32 = 5;
+const SQUARE: u32 = 90;
+
 /// The usable part of the bed, its middle at the origin.
 pub(super) struct Area {
     pub shape: BedShape,
@@ -107,6 +111,22 @@ impl Area {
         }
     }
 
+    /// The turn about Z, in degrees, after which something fits: a square one, or the one with the most room.
+    fn fitting_turn(&self, footprint: &Footprint) -> Option<u32> {
+        let share = |degrees: u32| {
+            let (sin, cos) = real::sin_cos(f64::from(degrees).to_radians());
+            let rim: Vec<[f64; 2]> =
+                footprint.rim.iter().map(|[x, y]| [cos * x - sin * y, sin * x + cos * y]).collect();
+            let [width, depth] = [0, 1].map(|i| 2.0 * rim.iter().map(|p| p[i].abs()).fold(0.0, f64::max));
+            self.share(&Footprint::new([width, depth, footprint.height_mm], Some(rim)))
+        };
+        let turns = (TURN..180).step_by(TURN as usize).map(|degrees| (share(degrees), degrees));
+        let most_room = || turns.min_by(|a, b| a.0.total_cmp(&b.0));
+        let (share, degrees) =
+            Some((share(SQUARE), SQUARE)).filter(|square| square.0 <= 1.0).or_else(most_room)?;
+        (share <= 1.0).then_some(degrees)
+    }
+
     /// Whether something fits at all.
     ///
     /// # Errors
@@ -141,6 +161,7 @@ impl Area {
             size,
             bed: self.to_string(),
             excess: excess.join(", "),
+            turn: self.fitting_turn(footprint),
             factor: fitting_factor(share),
         })
     }

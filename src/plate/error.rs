@@ -6,10 +6,10 @@
 #[allow(missing_docs)]
 pub enum PlacementError {
     #[error(
-        "{name}: {:.2} × {:.2} × {:.2} mm does not fit the printer's {bed}: {excess}; --scale-to-fit would scale it by {factor}",
-        size[0], size[1], size[2]
+        "{name}: {:.2} × {:.2} × {:.2} mm does not fit the printer's {bed}: {excess}; {}--scale-to-fit would scale it by {factor}",
+        size[0], size[1], size[2], turned(*turn)
     )]
-    TooLarge { name: String, size: [f64; 3], bed: String, excess: String, factor: f64 },
+    TooLarge { name: String, size: [f64; 3], bed: String, excess: String, turn: Option<u32>, factor: f64 },
     #[error(
         "{total} models do not fit the printer's {bed} together, {spacing_mm} mm apart: {fitting} do, and there is no \
          room for {}; print the others on another plate, or use --each",
@@ -59,6 +59,11 @@ impl PlacementError {
             Self::InTheAir(_) => None,
         }
     }
+}
+
+/// What a turn about Z, degrees, would do.
+fn turned(turn: Option<u32>) -> String {
+    turn.map_or_else(String::new, |degrees| format!("turned by {degrees}° about Z (--rotate) it fits, "))
 }
 
 /// The first few of some names.

@@ -69,6 +69,12 @@ fn a_model_larger_than_the_bed_is_refused_with_the_factor_that_fits() {
         message.contains("long.stl: 250.00 × 20.00 × 10.00 mm") && message.contains("50.00 mm too long in X")
     );
     assert!(message.ends_with("--scale-to-fit would scale it by 0.8"), "{message}");
+    assert!(message.contains("turned by 45° about Z (--rotate) it fits"), "{message}");
+    let turned =
+        Transform { rotate_deg: [0.0, 0.0, 45.0], ..Transform::default() }.apply(long.clone()).unwrap();
+    assert!(place(vec![item("long.stl", turned, 1)], &bed, &Placement::default()).is_ok());
+    let longer = place(vec![item("longer", block(270.0, 20.0, 10.0), 1)], &bed, &Placement::default());
+    assert!(!longer.unwrap_err().to_string().contains("turned"));
     let factor = item("long", long.clone(), 1).fit_factor(&bed, 0.0);
     let smaller = Transform { scale: [factor; 3], ..Transform::default() }.apply(long).unwrap();
     assert!(place(vec![item("long.stl", smaller, 1)], &bed, &Placement::default()).is_ok());
