@@ -39,14 +39,15 @@ impl LineSet {
     }
 }
 
+/// Of no chord.
+const NO_END: (u32, u8) = (u32::MAX, 0);
+
 /// A bead beside an extreme of the boundary.
 pub(super) struct Cap {
     /// Vertices with the spacing there.
     pub(super) bead: Vec<(Point, f32)>,
-    /// The chord ends (chord, side) that the bead starts and ends beside, of one of several that it starts beside.
+    /// The chord ends (chord, side) that the bead starts and ends beside; [`NO_END`] where it is not reached.
     pub(super) ends: [(u32, u8); 2],
-    /// Whether it leads from one chord on to another.
-    pub(super) through: bool,
     pub(super) used: bool,
 }
 
@@ -131,9 +132,8 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
                 .collect();
             let ends = [(from.chord, from.side), (to.chord, to.side)];
             let parts = wide_parts(&profile, NARROWEST * distance_mm);
-            // Beyond one chord a bead goes from one of its ends to the other, but leads nowhere.
             let whole = parts.first().is_some_and(|part| outer || part.len() >= profile.len());
-            caps.extend(beside(parts, ends, whole).map(|cap| Cap { through: cap.through && !outer, ..cap }));
+            caps.extend(beside(parts, ends, whole));
         }
     }
     caps
@@ -142,20 +142,18 @@ pub(super) fn find(boundary: &Boundary<'_>, stops: &[Stop], chords: &[Chord], ha
 /// The caps from one chord's end to another's. Where there are several, or one that is not `whole`, the first and the last are
 /// each reached from the end on its own side.
 fn beside(parts: Vec<Vec<(Point, f32)>>, ends: [(u32, u8); 2], whole: bool) -> impl Iterator<Item = Cap> {
-    const NONE: (u32, u8) = (u32::MAX, 0);
     let count = parts.len();
-    let through = count == 1 && whole;
     parts.into_iter().enumerate().map(move |(k, mut bead)| {
         let ends = match k {
-            _ if through => ends,
-            0 => [ends[0], NONE],
+            0 if whole && count == 1 => ends,
+            0 => [ends[0], NO_END],
             _ if k + 1 == count => {
                 bead.reverse();
-                [ends[1], NONE]
+                [ends[1], NO_END]
             }
-            _ => [NONE; 2],
+            _ => [NO_END; 2],
         };
-        Cap { bead, ends, through, used: false }
+        Cap { bead, ends, used: false }
     })
 }
 

@@ -186,7 +186,7 @@ impl Joiner<'_> {
         let end = (chord as u32, side as u8);
         let used = &self.used;
         let beyond = |cap: &Cap| cap.ends[usize::from(cap.ends[0] == end)];
-        let cap = self.caps.free_beside(end, |cap| cap.through && !used[beyond(cap).0 as usize])?;
+        let cap = self.caps.free_beside(end, |cap| used.get(beyond(cap).0 as usize) == Some(&false))?;
         let (next, next_side) = beyond(cap);
         Some((cap.take(end), (next as usize, next_side as usize)))
     }
