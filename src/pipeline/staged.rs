@@ -9,7 +9,7 @@ use crate::parallel::{self, Workers};
 use crate::plate::Plate;
 use crate::profile::Settings;
 use crate::toolpath::{LayerPaths, LayerWalls, Path, ToolId};
-use crate::view::{PlannedLayer, Solid};
+use crate::view::{PlannedLayer, Solid, Surface};
 
 use super::rounds::{self, Round, Site};
 
@@ -200,19 +200,12 @@ impl StageCache {
 /// A plate that can be drawn for as long as the run goes on.
 pub(super) struct Watched<'a>(pub &'a Plate, pub Workers<'a>);
 
-/// Facets drawn between two questions whether the run goes on: a millisecond or less.
-const FACETS: usize = 4096;
-
 impl Solid for Watched<'_> {
-    fn facets(&self, each: &mut dyn FnMut([[f32; 3]; 3], [u8; 3])) {
-        let mut left = FACETS;
-        self.0.facets(&mut |corners, color| {
-            left -= 1;
-            if left == 0 {
-                left = FACETS;
-                self.1.go_on();
-            }
-            each(corners, color);
-        });
+    fn surfaces(&self, each: &mut dyn FnMut(Surface<'_>)) {
+        self.0.surfaces(each);
+    }
+
+    fn go_on(&self) {
+        self.1.go_on();
     }
 }

@@ -21,5 +21,5 @@ pub use page::{Print, page, preview};
 pub(crate) use page::{parts_module, parts_style};
 pub use planned::PlannedLayer;
 pub use scene::{Layer, Mark, MarkKind, Scene, Stroke};
-pub use thumbnail::{Solid, thumbnail};
+pub use thumbnail::{Solid, Surface, thumbnail};
 pub use thumbnail_format::{BTT_TFT_END, thumbnail_comment};

@@ -1,10 +1,15 @@
 //! Small pictures of a print, drawn without display or GPU.
 
+use std::ops::Range;
+
 use geometry::real;
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 use super::colors::{OTHER, ROLES, Rgb, SKIRT};
 use super::scene::Scene;
+use crate::mesh::NO_TWIN;
+use crate::observer::Observer;
+use crate::parallel::{self, Workers};
 use crate::plate::Plate;
 
 /// The picture looks from the front left, 34° to the side and 34° from above: unit vectors to the right, up, and
@@ -20,31 +25,64 @@ const SAMPLES: usize = 3;
 /// Room left free at each side, as a share.
 const MARGIN: f32 = 0.03;
 
+/// Triangles drawn between two questions whether to go on: a millisecond or less.
+const TRIANGLES: usize = 4096;
+
+/// Triangles of one colour over shared corners.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<'a> {
+    /// Millimetres.
+    pub corners: &'a [[f32; 3]],
+    /// Indices of the corners of each triangle.
+    pub triangles: &'a [[u32; 3]],
+    /// Red, green, blue.
+    pub color: [u8; 3],
+    /// Whether it encloses a body, corners counter-clockwise seen from outside: what faces away is then hidden.
+    pub is_closed: bool,
+}
+
 /// Something with a surface.
-pub trait Solid {
-    /// Calls with every triangle and its colour, always in the same order. Millimetres.
-    fn facets(&self, each: &mut dyn FnMut([[f32; 3]; 3], [u8; 3]));
+pub trait Solid: Sync {
+    /// Calls with every part of the surface, always in the same order.
+    fn surfaces(&self, each: &mut dyn FnMut(Surface<'_>));
+
+    /// Asked again and again while it is drawn; unwinds if the drawing is to end.
+    fn go_on(&self) {}
 }
 
 impl Solid for Plate {
-    fn facets(&self, each: &mut dyn FnMut([[f32; 3]; 3], Rgb)) {
+    fn surfaces(&self, each: &mut dyn FnMut(Surface<'_>)) {
         for object in &self.objects {
             let mesh = &self.meshes[object.mesh];
             let [x, y] = object.offset.mm();
-            for triangle in mesh.triangles() {
-                let corner = |vertex: u32| {
-                    let [vx, vy, vz] = mesh.vertices()[vertex as usize];
-                    [(vx + x) as f32, (vy + y) as f32, vz as f32]
-                };
-                each(triangle.map(corner), ROLES[0].color);
-            }
+            let corner = |&[vx, vy, vz]: &[f64; 3]| [(vx + x) as f32, (vy + y) as f32, vz as f32];
+            each(Surface {
+                corners: &mesh.vertices().iter().map(corner).collect::<Vec<_>>(),
+                triangles: mesh.triangles(),
+                color: ROLES[0].color,
+                is_closed: mesh.is_oriented() && !mesh.twins().contains(&NO_TWIN),
+            });
         }
     }
 }
 
+/// The triangles of a bead: its corners are those of the top, then those below them.
+const BEAD: [[u32; 3]; 10] = [
+    [0, 1, 2],
+    [1, 3, 2],
+    [0, 1, 4],
+    [1, 5, 4],
+    [2, 3, 6],
+    [3, 7, 6],
+    [0, 2, 4],
+    [2, 6, 4],
+    [1, 3, 5],
+    [3, 7, 5],
+];
+
 /// Every bead is a box; what is no part of the object is left out.
 impl Solid for Scene {
-    fn facets(&self, each: &mut dyn FnMut([[f32; 3]; 3], Rgb)) {
+    fn surfaces(&self, each: &mut dyn FnMut(Surface<'_>)) {
         let strokes = || self.layers.iter().flat_map(|layer| &layer.strokes);
         let beside = |role: &u8| [SKIRT, OTHER].contains(role);
         // A file without roles is shown whole.
@@ -54,18 +92,18 @@ impl Solid for Scene {
             let delta = [stroke.to[0] - stroke.from[0], stroke.to[1] - stroke.from[1]];
             let scale = stroke.width_mm / 2.0 / real::hypot_f32(delta[0], delta[1]).max(f32::MIN_POSITIVE);
             let (along, side) = ([delta[0] * scale, delta[1] * scale], [-delta[1] * scale, delta[0] * scale]);
-            // Corners of the top, then those below them.
             let corner = |i: usize| {
                 let (end, ahead) = if i & 1 == 0 { (stroke.from, -1.0) } else { (stroke.to, 1.0) };
                 let aside = if i & 2 == 0 { -1.0 } else { 1.0 };
                 let z = if i & 4 == 0 { end[2] } else { end[2] - stroke.height_mm };
                 [end[0] + ahead * along[0] + aside * side[0], end[1] + ahead * along[1] + aside * side[1], z]
             };
-            for [a, b, c, d] in [[0, 1, 2, 3], [0, 1, 4, 5], [2, 3, 6, 7], [0, 2, 4, 6], [1, 3, 5, 7]] {
-                for facet in [[a, b, c], [b, d, c]] {
-                    each(facet.map(corner), ROLES[usize::from(role)].color);
-                }
-            }
+            each(Surface {
+                corners: &std::array::from_fn::<_, 8, _>(corner),
+                triangles: &BEAD,
+                color: ROLES[usize::from(role)].color,
+                is_closed: false,
+            });
         }
     }
 }
@@ -77,18 +115,42 @@ pub fn thumbnail(solid: &dyn Solid, size: [u32; 2]) -> Vec<u8> {
 
 /// The pixels of a thumbnail.
 pub(super) fn picture(solid: &dyn Solid, [width, height]: [u32; 2]) -> Pixmap {
-    let (width, height) = (width.clamp(1, 2000), height.clamp(1, 2000));
-    let mut canvas = Canvas::new(width as usize * SAMPLES, height as usize * SAMPLES);
-    if let Some(fit) = Fit::new(solid, canvas.width as f32, canvas.height as f32) {
-        solid.facets(&mut |corners, color| {
-            canvas.facet(&corners.map(|corner| fit.pixel(corner)), &corners, color)
-        });
-    }
+    let [width, height] = [width.clamp(1, 2000), height.clamp(1, 2000)];
     let mut map = Pixmap::new(width, height).expect("a picture within these limits");
-    for (index, pixel) in map.pixels_mut().iter_mut().enumerate() {
-        *pixel = canvas.average(index % width as usize, index / width as usize);
+    let [width, height] = [width as usize, height as usize];
+    if let Some(fit) = Fit::new(solid, (width * SAMPLES) as f32, (height * SAMPLES) as f32) {
+        // Each thread draws some rows.
+        let parts = parallel::threads().min(height);
+        let workers = Workers { observer: &Observer::none() };
+        let drawn = workers.map(parts, |part| {
+            let [first, end] = [part, part + 1].map(|part| part * height / parts);
+            drawn(solid, &fit, width, first..end)
+        });
+        for (pixel, drawn) in map.pixels_mut().iter_mut().zip(drawn.into_iter().flatten()) {
+            *pixel = drawn;
+        }
     }
     map
+}
+
+/// The pixels of some rows.
+fn drawn(solid: &dyn Solid, fit: &Fit, width: usize, rows: Range<usize>) -> Vec<PremultipliedColorU8> {
+    let mut canvas = Canvas::new(width * SAMPLES, rows.start * SAMPLES..rows.end * SAMPLES);
+    let mut samples = Vec::new();
+    solid.surfaces(&mut |surface| {
+        samples.clear();
+        samples.extend(surface.corners.iter().map(|&corner| fit.sample(corner)));
+        for triangles in surface.triangles.chunks(TRIANGLES) {
+            solid.go_on();
+            for triangle in triangles {
+                let at = triangle.map(|corner| samples[corner as usize]);
+                let color =
+                    || shaded(&triangle.map(|corner| surface.corners[corner as usize]), surface.color);
+                canvas.triangle(&at, surface.is_closed, color);
+            }
+        }
+    });
+    (0..rows.len()).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| canvas.average(x, y)).collect()
 }
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
@@ -105,8 +167,8 @@ impl Fit {
     /// The picture; `None` if nothing is visible.
     fn new(solid: &dyn Solid, width: f32, height: f32) -> Option<Self> {
         let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-        solid.facets(&mut |corners, _| {
-            for corner in corners {
+        solid.surfaces(&mut |surface| {
+            for &corner in surface.corners {
                 for (i, axis) in [RIGHT, UP].into_iter().enumerate() {
                     let at = dot(corner, axis);
                     low[i] = real::lesser(at, low[i]);
@@ -126,7 +188,7 @@ impl Fit {
     }
 
     /// Sample to the right, sample downwards, nearness.
-    fn pixel(&self, point: [f32; 3]) -> [f32; 3] {
+    fn sample(&self, point: [f32; 3]) -> [f32; 3] {
         [
             self.shift[0] + self.scale * dot(point, RIGHT),
             self.shift[1] - self.scale * dot(point, UP),
@@ -135,33 +197,34 @@ impl Fit {
     }
 }
 
-/// Samples with their nearness.
+/// The samples of some rows, with their nearness.
 struct Canvas {
     width: usize,
-    height: usize,
+    rows: Range<usize>,
     near: Vec<f32>,
     color: Vec<Rgb>,
 }
 
 impl Canvas {
-    fn new(width: usize, height: usize) -> Self {
-        let samples = width * height;
-        Self { width, height, near: vec![f32::NEG_INFINITY; samples], color: vec![[0; 3]; samples] }
+    fn new(width: usize, rows: Range<usize>) -> Self {
+        let samples = width * rows.len();
+        Self { width, rows, near: vec![f32::NEG_INFINITY; samples], color: vec![[0; 3]; samples] }
     }
 
-    /// Draws a triangle where nothing nearer is.
-    fn facet(&mut self, [a, b, c]: &[[f32; 3]; 3], corners: &[[f32; 3]; 3], color: Rgb) {
+    /// Draws a triangle where nothing nearer is, if it faces the eye or need not.
+    fn triangle(&mut self, [a, b, c]: &[[f32; 3]; 3], must_face: bool, color: impl Fn() -> Rgb) {
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        if area == 0.0 || !area.is_finite() {
+        // Rows go downwards.
+        if area == 0.0 || !area.is_finite() || (must_face && area > 0.0) {
             return;
         }
-        let span = |axis: usize, limit: usize| {
+        let span = |axis: usize, limits: Range<usize>| {
             let low = real::lesser(real::lesser(a[axis], b[axis]), c[axis]);
             let high = real::greater(real::greater(a[axis], b[axis]), c[axis]);
-            (low - 0.5).ceil().max(0.0) as usize
-                ..((high - 0.5).floor() + 1.0).clamp(0.0, limit as f32) as usize
+            let [first, end] = [limits.start as f32, limits.end as f32];
+            (low - 0.5).ceil().max(first) as usize..((high - 0.5).floor() + 1.0).clamp(first, end) as usize
         };
-        let (columns, rows) = (span(0, self.width), span(1, self.height));
+        let (columns, rows) = (span(0, 0..self.width), span(1, self.rows.clone()));
         if columns.is_empty() || rows.is_empty() {
             return;
         }
@@ -178,10 +241,10 @@ impl Canvas {
                 }
                 let (u, v) = (u / area, v / area);
                 let near = a[2] + u * (b[2] - a[2]) + v * (c[2] - a[2]);
-                let index = y * self.width + x;
+                let index = (y - self.rows.start) * self.width + x;
                 if u + v <= 1.0 && near > self.near[index] {
                     self.near[index] = near;
-                    self.color[index] = *light.get_or_insert_with(|| shaded(corners, color));
+                    self.color[index] = *light.get_or_insert_with(&color);
                 }
             }
         }
@@ -237,6 +300,53 @@ mod tests {
         let seen = map.pixels().iter().filter(|pixel| pixel.alpha() > 0).count();
         assert!((100..1500).contains(&seen), "{seen}");
         assert_eq!(map.pixels()[0].alpha(), 0);
+    }
+
+    /// A ring, whose outside can be seen; whether that is said.
+    struct Ring(bool);
+
+    impl Solid for Ring {
+        fn surfaces(&self, each: &mut dyn FnMut(Surface<'_>)) {
+            const SIDES: u32 = 60;
+            let angle = |i: u32| i as f32 / SIDES as f32 * std::f32::consts::TAU;
+            let corner = |i: u32| {
+                let [around, across] = [angle(i / SIDES), angle(i % SIDES)];
+                let radius = 20.0 + 8.0 * across.cos();
+                [radius * around.cos(), radius * around.sin(), 8.0 * across.sin()]
+            };
+            let at = |i: u32, j: u32| i % SIDES * SIDES + j % SIDES;
+            let triangles = |i: u32, j: u32| {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                [[a, b, c], [a, c, d]]
+            };
+            each(Surface {
+                corners: &(0..SIDES * SIDES).map(corner).collect::<Vec<_>>(),
+                triangles: &(0..SIDES * SIDES)
+                    .flat_map(|i| triangles(i / SIDES, i % SIDES))
+                    .collect::<Vec<_>>(),
+                color: [200; 3],
+                is_closed: self.0,
+            });
+        }
+    }
+
+    #[test]
+    fn what_faces_away_of_a_closed_body_is_not_seen() {
+        let [closed, whole] = [true, false].map(|is_closed| picture(&Ring(is_closed), [90, 60]));
+        let pairs = || closed.pixels().iter().zip(whole.pixels());
+        assert!(pairs().filter(|(_, whole)| whole.alpha() > 0).count() > 1000);
+        // At its rim a sample may be of either side.
+        assert!(pairs().filter(|(closed, whole)| closed != whole).count() < 10);
+    }
+
+    #[test]
+    fn several_threads_draw_the_same_picture() {
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        let [alone, together] = [None, Some(threads)].map(|threads| {
+            let draw = || picture(&Ring(false), [64, 40]);
+            threads.map_or_else(draw, |threads| threads.install(draw))
+        });
+        assert_eq!(alone.data(), together.data());
     }
 
     #[test]
