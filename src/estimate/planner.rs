@@ -1,5 +1,7 @@
 //! The look-ahead planner: a sequence of straight moves, at rest before and after, and how long they take.
 
+use geometry::real::{greater, lesser};
+
 use super::corner::CornerMove;
 use super::{Firmware, Machine};
 
@@ -140,8 +142,9 @@ impl Planner {
         self.last = Some(now);
         match self.blocks.last() {
             Some(before) if corner_v2 > 0.0 => {
-                block.start_v2 = corner_v2.min(before.start_v2 + before.delta_v2);
-                block.smooth_start_v2 = block.start_v2.min(before.smooth_start_v2 + before.smooth_delta_v2);
+                block.start_v2 = lesser(corner_v2, before.start_v2 + before.delta_v2);
+                block.smooth_start_v2 =
+                    lesser(block.start_v2, before.smooth_start_v2 + before.smooth_delta_v2);
                 if self.blocks.len() >= self.patience {
                     self.settle_some();
                 }
@@ -218,7 +221,7 @@ impl Planner {
                 break;
             }
             (end_v2, smooth_end_v2) =
-                (block.start_v2.min(reach_v2), block.smooth_start_v2.min(smooth_reach_v2));
+                (lesser(block.start_v2, reach_v2), lesser(block.smooth_start_v2, smooth_reach_v2));
         }
         if certain == 0 && self.blocks.len() >= MOST_BLOCKS {
             certain = self.blocks.len();
@@ -249,16 +252,16 @@ impl Planner {
             self.settled += 1;
             let end_v2 = if i == last { end_v2 } else { self.blocks[i + 1].start_v2 };
             let reached_v2 = 0.5 * (block.start_v2 + end_v2 + block.delta_v2);
-            let cruise_v2 = reached_v2.min(block.cruise_v2).min(self.hills[i]);
+            let cruise_v2 = lesser(lesser(reached_v2, block.cruise_v2), self.hills[i]);
             let cruise = cruise_v2.sqrt();
-            let (start_v2, end_v2) = (block.start_v2.min(cruise_v2), end_v2.min(cruise_v2));
+            let (start_v2, end_v2) = (lesser(block.start_v2, cruise_v2), lesser(end_v2, cruise_v2));
             let start = if start_v2 == before_v2 { before } else { start_v2.sqrt() };
             let end = if end_v2 == cruise_v2 { cruise } else { end_v2.sqrt() };
             (before_v2, before) = (end_v2, end);
             // Up to cruising speed, along, and down: a ramp is as long as v² changes on it.
             let ramps = (2.0 * cruise_v2 - start_v2 - end_v2) / block.delta_v2;
             let seconds = (2.0 * cruise - start - end) / block.acceleration
-                + block.length_mm * (1.0 - ramps).max(0.0) / cruise;
+                + block.length_mm * greater(1.0 - ramps, 0.0) / cruise;
             self.book(block.account, seconds);
         }
         self.hill_v2 = if count == self.blocks.len() { f64::INFINITY } else { self.hills[last] };
@@ -268,8 +271,8 @@ impl Planner {
     /// Lowers start speeds until every one of the first moves can brake to the next one's.
     fn look_back(&mut self, count: usize, mut end_v2: f64, mut smooth_end_v2: f64) {
         for block in self.blocks[..count].iter_mut().rev() {
-            block.start_v2 = block.start_v2.min(end_v2 + block.delta_v2);
-            block.smooth_start_v2 = block.smooth_start_v2.min(smooth_end_v2 + block.smooth_delta_v2);
+            block.start_v2 = lesser(block.start_v2, end_v2 + block.delta_v2);
+            block.smooth_start_v2 = lesser(block.smooth_start_v2, smooth_end_v2 + block.smooth_delta_v2);
             (end_v2, smooth_end_v2) = (block.start_v2, block.smooth_start_v2);
         }
     }

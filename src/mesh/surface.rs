@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use geometry::real::{greater, lesser};
+
 use super::edges::{Edges, NO_TWIN};
 use super::effect::Effect;
 use super::measure::facet_measures;
@@ -132,7 +134,7 @@ impl Mesh {
             return [[0.0; 3]; 2];
         };
         self.vertices.iter().fold([first; 2], |[min, max], v| {
-            [std::array::from_fn(|i| min[i].min(v[i])), std::array::from_fn(|i| max[i].max(v[i]))]
+            [std::array::from_fn(|i| lesser(min[i], v[i])), std::array::from_fn(|i| greater(max[i], v[i]))]
         })
     }
 

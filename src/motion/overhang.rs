@@ -1,6 +1,7 @@
 //! How far walls hang over what they rest on, and how they are printed there.
 
 use super::bead::{Vertex, length_mm};
+use geometry::real::{greater, lesser};
 use geometry::{Bounds, EdgeGrid, Point, Region, distance_mm, to_segment_mm};
 
 /// Walls are looked at in steps of this.
@@ -126,7 +127,7 @@ fn together(vertices: &[Vertex]) -> (usize, [[f64; 2]; 2]) {
 
 /// The box around a box and a point.
 fn joined([min, max]: [[f64; 2]; 2], [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
-    [[min[0].min(x), min[1].min(y)], [max[0].max(x), max[1].max(y)]]
+    [[lesser(min[0], x), lesser(min[1], y)], [greater(max[0], x), greater(max[1], y)]]
 }
 
 /// Short stretches take the higher grade of their neighbours, and neighbours of one grade are joined.
@@ -232,8 +233,8 @@ fn nearest_mm(segment: [[f64; 2]; 2], others: &[[[f64; 2]; 2]], reach_mm: f64) -
     for &other in others {
         // Most are farther off than that or than another is, which their boxes show.
         if boxes_mm(segment, other) <= least + NOISE_MM {
-            nearest = segments_mm(segment, other).min(nearest);
-            least = nearest.min(least);
+            nearest = lesser(segments_mm(segment, other), nearest);
+            least = lesser(nearest, least);
         }
     }
     nearest
@@ -243,9 +244,9 @@ fn nearest_mm(segment: [[f64; 2]; 2], others: &[[[f64; 2]; 2]], reach_mm: f64) -
 fn boxes_mm(s: [[f64; 2]; 2], e: [[f64; 2]; 2]) -> f64 {
     let apart = |axis: usize| {
         let [[a, b], [c, d]] = [s, e].map(|ends| ends.map(|p| p[axis]));
-        (a.min(b) - c.max(d)).max(c.min(d) - a.max(b))
+        greater(lesser(a, b) - greater(c, d), lesser(c, d) - greater(a, b))
     };
-    apart(0).max(apart(1))
+    greater(apart(0), apart(1))
 }
 
 /// Distance of two segments.
@@ -259,7 +260,7 @@ fn segments_mm(s: [[f64; 2]; 2], e: [[f64; 2]; 2]) -> f64 {
         to_segment_mm(e[0], s[0], s[1]),
         to_segment_mm(e[1], s[0], s[1]),
     ];
-    let nearest = ends.into_iter().fold(f64::INFINITY, f64::min);
+    let nearest = ends.into_iter().fold(f64::INFINITY, lesser);
     if s[0] != s[1] && !apart(s, e) && !apart(e, s) && side(s, e[0]) != side(s, e[1]) { 0.0 } else { nearest }
 }
 
