@@ -2,6 +2,7 @@
 
 import * as alone from "./pathwright.js";
 import * as shared from "./pathwright-threads.js";
+import { rest } from "./rest.js";
 import { slicer } from "./slicer.js";
 
 /** Makes a request, with the host's key and nothing of this browser's. */
@@ -23,7 +24,7 @@ function exchange(method, url, headers, body, milliseconds) {
 const still = new Int32Array(new WebAssembly.Memory({ initial: 1, maximum: 1, shared: true }).buffer);
 const pause = (milliseconds) => { Atomics.wait(still, 0, 0, milliseconds); };
 
-const take = slicer((message, transfer) => postMessage(message, transfer));
+const take = slicer((message, transfer) => postMessage(message, transfer), rest);
 addEventListener("message", ({ data }) => {
   take(data);
   if (data.module) (data.isShared ? shared : alone).network(exchange, pause);

@@ -6,9 +6,10 @@ import * as shared from "./pathwright-threads.js";
 /**
  * Gives what takes messages: first `{ module, isShared, threads }`, compiled, then calls, `{ id, name, args }`. `post(message, transfer)`
  * sends `{ id, value }` or `{ id, error }` for each, and `{ event, data, bytes }` meanwhile. It sends `{ memory, others }` if there are to
- * be several threads: so many workers more, which get the first message with `memory`, and no calls.
+ * be several threads: so many workers more, which get the first message with `memory`, and no calls. `rest(isShared)` is what the module
+ * does not hold, because prints do not call it as a rule: bytes, had while something waits for them.
  */
-export function slicer(post) {
+export function slicer(post, rest) {
   let wasm = null, session = null, presets = null, done = [];
 
   const told = (event, json, bytes) => {
@@ -82,7 +83,8 @@ export function slicer(post) {
 
   const begin = ({ module, isShared, threads, memory }) => {
     wasm = isShared ? shared : alone;
-    wasm.initSync(memory ? { module, memory } : { module });
+    const main = wasm.initSync(memory ? { module, memory } : { module });
+    globalThis.loadPathwrightRest = () => new WebAssembly.Instance(new WebAssembly.Module(rest(isShared)), { main });
     if (memory) return wasm.help();
     wasm.listen(told);
     if (threads > 1) post({ memory: wasm.share(threads), others: threads - 1 }, []);

@@ -3,6 +3,7 @@
 mod module;
 mod npm;
 mod site;
+mod split;
 
 use std::path::{Path, PathBuf};
 

@@ -10,7 +10,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use wasm_bindgen_cli_support::Bindgen;
 
-use crate::root;
+use crate::{root, split};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
@@ -28,7 +28,7 @@ const SHARED: [&str; 9] = [
     "-Clink-arg=--export=__tls_base",
 ];
 
-/// The modules as files by name: for one thread `pathwright.js` and `pathwright_bg.wasm`, for several those of
+/// The modules as files by name: for one thread `pathwright.js`, `pathwright_bg.wasm` and `pathwright_rest.wasm`, for several those of
 /// `pathwright-threads`. Where there is a `wasm-opt` (binaryen), they are made smaller and quicker by that.
 pub fn build() -> Result<Vec<(String, Vec<u8>)>> {
     let mut files = Vec::new();
@@ -38,9 +38,13 @@ pub fn build() -> Result<Vec<(String, Vec<u8>)>> {
         bindgen.input_path(compile(is_shared)?).out_name(name).web(true)?.typescript(false);
         bindgen.omit_default_module_path(true).remove_name_section(true).remove_producers_section(true);
         bindgen.generate(&out)?;
-        let [script, module] = [format!("{name}.js"), format!("{name}_bg.wasm")];
-        optimise(&out.join(&module))?;
-        for file in [script, module] {
+        let [script, main, rest] =
+            [format!("{name}.js"), format!("{name}_bg.wasm"), format!("{name}_rest.wasm")];
+        optimise(&out.join(&main))?;
+        divide(&out, [&script, &main, &rest])?;
+        // Again, for the calls of the rest.
+        optimise(&out.join(&main))?;
+        for file in [script, main, rest] {
             let path = out.join(&file);
             let bytes = fs::read(&path).with_context(|| path.display().to_string())?;
             println!("{file}: {} bytes, {} gzipped", bytes.len(), gzipped(&bytes)?);
@@ -93,6 +97,30 @@ fn optimise(file: &Path) -> Result<()> {
             Ok(())
         }
     }
+}
+
+/// Leaves in the module what prints call as a rule; what that is, is found out by slicing in Node.
+fn divide(folder: &Path, [script, main, rest]: [&str; 3]) -> Result<()> {
+    let [script, main, rest] = [folder.join(script), folder.join(main), folder.join(rest)];
+    let [marking, marks] = [main.with_extension("marking.wasm"), main.with_extension("marks")];
+    let bytes = fs::read(&main)?;
+    fs::write(&marking, split::marking(&bytes)?)?;
+    fs::write(folder.join("package.json"), "{ \"type\": \"module\" }\n")?;
+    let mut node = Command::new("node");
+    node.arg(root().join("xtask/marks.mjs")).args([&script, &marking, &root().join("models"), &marks]);
+    let marks = match node.arg(split::MARKS.to_string()).status() {
+        Ok(status) if status.success() => fs::read(marks)?,
+        Ok(status) => bail!("marking what is called ends with {status}"),
+        Err(_) => {
+            println!("there is no node: the module is left whole");
+            vec![1; split::MARKS]
+        }
+    };
+    let parts = split::split(&bytes, &marks)?;
+    for (path, bytes) in [main, rest].iter().zip(parts) {
+        fs::write(path, bytes)?;
+    }
+    Ok(())
 }
 
 fn gzipped(bytes: &[u8]) -> Result<usize> {

@@ -8,7 +8,7 @@ use anyhow::Result;
 use crate::{module, root};
 
 /// What is in it beside the modules.
-const FILES: [&str; 10] = [
+const FILES: [&str; 11] = [
     "README.md",
     "browser.js",
     "caller.js",
@@ -17,6 +17,7 @@ const FILES: [&str; 10] = [
     "node-worker.js",
     "node.js",
     "package.json",
+    "rest.js",
     "slicer.js",
     "worker.js",
 ];

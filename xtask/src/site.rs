@@ -26,6 +26,7 @@ pub fn make(folder: &Path) -> Result<()> {
         ("web", "policy.js"),
         ("bindings/npm", "browser.js"),
         ("bindings/npm", "caller.js"),
+        ("bindings/npm", "rest.js"),
         ("bindings/npm", "slicer.js"),
         ("bindings/npm", "worker.js"),
     ] {

@@ -11,6 +11,7 @@ mod hosts;
 mod models;
 mod order;
 mod presets;
+mod rest;
 mod session;
 #[cfg(target_feature = "atomics")]
 mod threads;
