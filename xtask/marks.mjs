@@ -79,7 +79,6 @@ function plate(wasm, models) {
     session.set_presets(presets);
     session.add(name, bytes);
     session.mesh(name, 0);
-    session.faces(name, 0);
     let project = session.arrange(JSON.stringify({ models: [{ file: name }] }));
     for (const change of [{}, { "infill.density": "20 %" }]) {
       const revision = session.set_project(JSON.stringify({ ...JSON.parse(project), settings: change }));
