@@ -79,9 +79,9 @@ function plate(wasm, models) {
     session.set_presets(presets);
     session.add(name, bytes);
     session.mesh(name, 0);
-    let project = session.arrange(JSON.stringify({ models: [{ file: name }] }));
+    const project = JSON.parse(session.arrange(JSON.stringify({ models: [{ file: name }] })));
     for (const change of [{}, { "infill.density": "20 %" }]) {
-      const revision = session.set_project(JSON.stringify({ ...JSON.parse(project), settings: change }));
+      const revision = session.set_project(JSON.stringify({ ...project, settings: change }));
       while (session.step()) wasm.tell_waiting();
       session.preview(revision);
       session.gcode(revision);

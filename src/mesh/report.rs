@@ -124,7 +124,7 @@ impl MeshReport {
             size_mm,
             volume_mm3,
             area_mm2: repairs.area_mm2,
-            watertight: !mesh.twins.contains(&super::NO_TWIN),
+            watertight: mesh.is_closed(),
             degenerate_dropped: repairs.degenerate,
             duplicates_dropped: repairs.duplicates,
             pairs_cancelled: repairs.cancelled,

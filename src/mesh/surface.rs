@@ -128,6 +128,11 @@ impl Mesh {
         self.oriented
     }
 
+    /// Whether every edge has a facet on either side.
+    pub(crate) fn is_closed(&self) -> bool {
+        !self.twins.contains(&NO_TWIN)
+    }
+
     /// Smallest box around the vertices, as its lower and upper corner; zeros of an empty mesh.
     pub fn bounds(&self) -> [[f64; 3]; 2] {
         let Some(&first) = self.vertices.first() else {

@@ -7,7 +7,6 @@ use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 use super::colors::{OTHER, ROLES, Rgb, SKIRT};
 use super::scene::Scene;
-use crate::mesh::NO_TWIN;
 use crate::observer::Observer;
 use crate::parallel::{self, Workers};
 use crate::plate::Plate;
@@ -60,7 +59,7 @@ impl Solid for Plate {
                 corners: &mesh.vertices().iter().map(corner).collect::<Vec<_>>(),
                 triangles: mesh.triangles(),
                 color: ROLES[0].color,
-                is_closed: mesh.is_oriented() && !mesh.twins().contains(&NO_TWIN),
+                is_closed: mesh.is_oriented() && mesh.is_closed(),
             });
         }
     }
