@@ -3,7 +3,6 @@
 //! Half-edge `3 t + k` runs from corner `k` of triangle `t` to the next corner.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use crate::parallel;
 
@@ -81,8 +80,9 @@ pub(super) fn for_each_edge(triangles: &[[u32; 3]], vertex_count: usize, mut vis
 fn for_each_half(triangles: &[[u32; 3]], mut visit: impl FnMut(u32, u32, u32)) {
     let mut half = 0;
     for &[a, b, c] in triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            visit(from, to, half);
+        let corners = [a, b, c, a];
+        for k in 0..3 {
+            visit(corners[k], corners[k + 1], half);
             half += 1;
         }
     }
@@ -138,18 +138,22 @@ pub(super) struct Matches {
 impl Edges {
     /// Pairs forward half-edges with backward ones; where more than two facets meet, in the order of facets.
     pub fn new(triangles: &[[u32; 3]], vertex_count: usize) -> Self {
-        let twins: Vec<AtomicU32> = (0..triangles.len() * 3).map(|_| AtomicU32::new(NO_TWIN)).collect();
-        let match_from = |vertices| Matches::of_vertices(triangles, vertices, &twins);
-        let count = vertex_count as u32;
-        // Every edge belongs to one range, so the two never write to the same element.
-        let matches = if triangles.len() < PARALLEL || parallel::threads() == 1 {
-            match_from(0..count)
-        } else {
-            let (mut a, b) = parallel::join(|| match_from(0..count / 2), || match_from(count / 2..count));
-            a.add(b);
-            a
+        let match_from = |vertices| {
+            let mut twins = vec![NO_TWIN; triangles.len() * 3];
+            let matches = Matches::of_vertices(triangles, vertices, &mut twins);
+            Self { twins, matches }
         };
-        Self { twins: twins.into_iter().map(AtomicU32::into_inner).collect(), matches }
+        let count = vertex_count as u32;
+        if triangles.len() < PARALLEL || parallel::threads() == 1 {
+            return match_from(0..count);
+        }
+        let (mut a, b) = parallel::join(|| match_from(0..count / 2), || match_from(count / 2..count));
+        // Every edge belongs to one range.
+        for (own, &other) in a.twins.iter_mut().zip(&b.twins) {
+            *own = other.min(*own);
+        }
+        a.matches.add(b.matches);
+        a
     }
 
     /// The edges after some facets went, corners of others got other vertices, and new ones came: `now` has those of
@@ -217,7 +221,7 @@ impl Matches {
     ///
     /// Forward half-edges by counting sort, backward ones looked up among them. Vertices with an edge that has not one of
     /// each are left to [`Self::among`]. O(triangles) for bounded vertex degree.
-    fn of_vertices(triangles: &[[u32; 3]], vertices: Range<u32>, twins: &[AtomicU32]) -> Self {
+    fn of_vertices(triangles: &[[u32; 3]], vertices: Range<u32>, twins: &mut [u32]) -> Self {
         let count = vertices.len();
         let bucket_of = |vertex: u32| {
             let bucket = vertex.wrapping_sub(vertices.start) as usize;
@@ -243,17 +247,11 @@ impl Matches {
                 *next += 1;
             }
         });
-        let repeats = |sides: &[(u32, u32)]| {
-            (1..sides.len()).any(|i| sides[..i].iter().any(|&(to, _)| to == sides[i].0))
-        };
-        let mut doubtful: Vec<bool> = start
-            .windows(2)
-            .take(count)
-            .map(|bucket| {
-                let sides = &forward[bucket[0] as usize..bucket[1] as usize];
-                sides.len() > FEW || repeats(sides)
-            })
-            .collect();
+        let mut doubtful = vec![false; count];
+        for (bucket, doubtful) in start.windows(2).zip(&mut doubtful) {
+            let sides = &forward[bucket[0] as usize..bucket[1] as usize];
+            *doubtful = sides.len() > FEW || repeats(sides);
+        }
         let mut paired = 0;
         for_each_half(triangles, |from, to, half| {
             if from < to {
@@ -261,27 +259,33 @@ impl Matches {
             }
             let Some(bucket) = bucket_of(to) else { return };
             let sides = &forward[start[bucket] as usize..start[bucket + 1] as usize];
-            let other = sides.iter().take(FEW).find(|side| side.0 == from).map(|side| side.1);
-            match other.filter(|&other| twins[other as usize].load(Relaxed) == NO_TWIN) {
-                Some(other) => {
-                    twins[half as usize].store(other, Relaxed);
-                    twins[other as usize].store(half, Relaxed);
+            let mut other = None;
+            for side in &sides[..sides.len().min(FEW)] {
+                if side.0 == from {
+                    other = Some(side.1);
+                    break;
+                }
+            }
+            match other {
+                Some(other) if twins[other as usize] == NO_TWIN => {
+                    twins[half as usize] = other;
+                    twins[other as usize] = half;
                     paired += 1;
                 }
-                None => doubtful[bucket] = true,
+                _ => doubtful[bucket] = true,
             }
         });
         if paired < forward.len() {
             for (bucket, doubtful) in start.windows(2).zip(&mut doubtful) {
                 let mut sides = forward[bucket[0] as usize..bucket[1] as usize].iter();
-                *doubtful |= sides.any(|side| twins[side.1 as usize].load(Relaxed) == NO_TWIN);
+                *doubtful |= sides.any(|side| twins[side.1 as usize] == NO_TWIN);
             }
         }
         if !doubtful.contains(&true) {
             return Self::default();
         }
         let is_doubtful = |vertex| bucket_of(vertex).is_some_and(|bucket| doubtful[bucket]);
-        Self::among(triangles, is_doubtful, |half, twin| twins[half as usize].store(twin, Relaxed))
+        Self::among(triangles, is_doubtful, |half, twin| twins[half as usize] = twin)
     }
 
     /// Matches the edges whose smaller vertex is wanted: `set` gets their half-edges, each with its twin or `NO_TWIN`.
@@ -329,6 +333,19 @@ impl Matches {
 /// Half-edges at a vertex that are looked through one by one.
 const FEW: usize = 32;
 
+/// Whether two of some half-edges from one vertex lead to the same.
+#[inline]
+fn repeats(sides: &[(u32, u32)]) -> bool {
+    for i in 1..sides.len() {
+        for j in 0..i {
+            if sides[j].0 == sides[i].0 {
+                return true;
+            }
+        }
+    }
+    false
+}
+
 /// The two ends of every half-edge without a partner.
 pub(super) fn open_halves<'a>(
     triangles: &'a [[u32; 3]],
@@ -373,9 +390,9 @@ mod tests {
             .collect();
         assert!(torus.len() > PARALLEL);
         let vertices = side * side;
-        let whole: Vec<AtomicU32> = (0..torus.len() * 3).map(|_| AtomicU32::new(NO_TWIN)).collect();
-        Matches::of_vertices(&torus, 0..vertices, &whole);
-        let whole: Vec<u32> = whole.into_iter().map(AtomicU32::into_inner).collect();
-        assert_eq!(Edges::new(&torus, vertices as usize).twins, whole);
+        let mut whole = vec![NO_TWIN; torus.len() * 3];
+        Matches::of_vertices(&torus, 0..vertices, &mut whole);
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        assert_eq!(threads.install(|| Edges::new(&torus, vertices as usize)).twins, whole);
     }
 }

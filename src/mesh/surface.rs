@@ -138,9 +138,14 @@ impl Mesh {
         let Some(&first) = self.vertices.first() else {
             return [[0.0; 3]; 2];
         };
-        self.vertices.iter().fold([first; 2], |[min, max], v| {
-            [std::array::from_fn(|i| lesser(min[i], v[i])), std::array::from_fn(|i| greater(max[i], v[i]))]
-        })
+        let [mut min, mut max] = [first; 2];
+        for vertex in &self.vertices {
+            for i in 0..3 {
+                min[i] = lesser(min[i], vertex[i]);
+                max[i] = greater(max[i], vertex[i]);
+            }
+        }
+        [min, max]
     }
 
     /// Extent along each axis in millimetres.

@@ -60,12 +60,15 @@ impl Welder {
     /// The coordinate that is not finite or beyond [`FARTHEST`].
     #[inline]
     pub fn push(&mut self, corners: [[f32; 3]; 3]) -> Result<(), f32> {
-        let inside = |x: &f32| x.abs() <= FARTHEST;
-        if !corners.as_flattened().iter().fold(true, |all, x| all & inside(x)) {
-            return Err(corners.into_iter().flatten().find(|x| !inside(x)).unwrap_or(f32::NAN));
+        for &x in corners.as_flattened() {
+            if x.is_nan() || x.abs() > FARTHEST {
+                return Err(x);
+            }
         }
-        // Adding zero makes −0.0 into 0.0, so that equal numbers have equal bits.
-        self.batch.extend(corners.map(|corner| corner.map(|x| x + 0.0)));
+        for [x, y, z] in corners {
+            // Adding zero makes −0.0 into 0.0, so that equal numbers have equal bits.
+            self.batch.push([x + 0.0, y + 0.0, z + 0.0]);
+        }
         if self.batch.len() == BATCH {
             self.weld_batch();
         }
@@ -83,13 +86,16 @@ impl Welder {
         let mask = self.table.len() - 1;
         let mut slots = [0; BATCH];
         let mut found = [EMPTY; BATCH];
-        for ((slot, found), &corner) in slots.iter_mut().zip(&mut found).zip(&self.batch) {
-            *slot = hash(corner) & mask;
-            *found = self.table[*slot];
+        let (batch, table, vertices) =
+            (self.batch.as_slice(), self.table.as_slice(), self.soup.vertices.as_slice());
+        for (i, &corner) in batch.iter().enumerate() {
+            slots[i] = hash(corner) & mask;
+            found[i] = table[slots[i]];
         }
-        for (found, &corner) in found.iter_mut().zip(&self.batch) {
-            if !self.soup.vertices.get(*found as usize).is_some_and(|&vertex| same(vertex, corner)) {
-                *found = EMPTY;
+        for (i, &corner) in batch.iter().enumerate() {
+            let vertex = found[i] as usize;
+            if vertex >= vertices.len() || !same(vertices[vertex], corner) {
+                found[i] = EMPTY;
             }
         }
         for first in (0..self.batch.len()).step_by(3) {
@@ -146,17 +152,18 @@ impl Welder {
 }
 
 /// Equality of bits, in one branch.
-#[inline]
+#[inline(always)]
 fn same(a: [f32; 3], b: [f32; 3]) -> bool {
-    let differ = |i: usize| a[i].to_bits() ^ b[i].to_bits();
-    differ(0) | differ(1) | differ(2) == 0
+    (a[0].to_bits() ^ b[0].to_bits()) | (a[1].to_bits() ^ b[1].to_bits()) | (a[2].to_bits() ^ b[2].to_bits())
+        == 0
 }
 
 /// Multiplies the 96 bits into 64 (Fibonacci hashing) and takes the well-mixed upper half.
-#[inline]
+#[inline(always)]
 fn hash(corner: [f32; 3]) -> usize {
     const ODD: u64 = 0x9E37_79B9_7F4A_7C15;
-    let [x, y, z] = corner.map(|v| u64::from(v.to_bits()));
+    let (x, y, z) =
+        (u64::from(corner[0].to_bits()), u64::from(corner[1].to_bits()), u64::from(corner[2].to_bits()));
     let mixed = (x | (y << 32)).wrapping_mul(ODD);
     let mixed = (mixed ^ (mixed >> 32) ^ z).wrapping_mul(ODD);
     (mixed >> 32) as usize

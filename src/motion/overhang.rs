@@ -241,12 +241,15 @@ fn nearest_mm(segment: [[f64; 2]; 2], others: &[[[f64; 2]; 2]], reach_mm: f64) -
 }
 
 /// How far apart the boxes of two segments are along an axis, at most; negative where they overlap.
-fn boxes_mm(s: [[f64; 2]; 2], e: [[f64; 2]; 2]) -> f64 {
-    let apart = |axis: usize| {
-        let [[a, b], [c, d]] = [s, e].map(|ends| ends.map(|p| p[axis]));
-        greater(lesser(a, b) - greater(c, d), lesser(c, d) - greater(a, b))
-    };
-    greater(apart(0), apart(1))
+#[inline]
+fn boxes_mm([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> f64 {
+    let mut most_mm = f64::NEG_INFINITY;
+    for i in 0..2 {
+        let before_mm = lesser(a[i], b[i]) - greater(c[i], d[i]);
+        let after_mm = lesser(c[i], d[i]) - greater(a[i], b[i]);
+        most_mm = greater(greater(before_mm, after_mm), most_mm);
+    }
+    most_mm
 }
 
 /// Distance of two segments.

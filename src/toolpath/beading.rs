@@ -187,6 +187,13 @@ struct Sample {
     spacing_mm: f64,
 }
 
+/// Edges that face another, and what they are found with.
+#[derive(Default)]
+struct Facing {
+    found: Vec<u32>,
+    edges: Vec<[[f64; 2]; 2]>,
+}
+
 /// The boundary that beads are laid along.
 struct Sides<'a> {
     /// Of the part that gets pairs.
@@ -206,10 +213,19 @@ impl Sides<'_> {
     fn fit(&self, ring: &Ring) -> Option<Line> {
         let n = ring.len();
         let corners: Vec<[f64; 2]> = ring.iter().map(|p| p.mm()).collect();
-        let edges: Vec<Vec<Sample>> = (0..n).map(|i| self.along(corners[i], corners[(i + 1) % n])).collect();
-        let mut bead = Vec::new();
-        for (i, edge) in edges.iter().enumerate() {
-            let before = &edges[(i + n - 1) % n];
+        let mut near = Facing::default();
+        let mut samples = Vec::with_capacity(3 * n);
+        let starts: Vec<usize> = (0..n)
+            .map(|i| {
+                let start = samples.len();
+                self.along(corners[i], corners[(i + 1) % n], &mut near, &mut samples);
+                start
+            })
+            .collect();
+        let edge = |i: usize| &samples[starts[i]..starts.get(i + 1).copied().unwrap_or(samples.len())];
+        let mut bead = Vec::with_capacity(samples.len());
+        for i in 0..n {
+            let (edge, before) = (edge(i), edge((i + n - 1) % n));
             let (Some(start), Some(end)) = (edge.first(), before.last()) else {
                 continue;
             };
@@ -296,54 +312,56 @@ impl Sides<'_> {
         Vertex { at, spacing_mm, ahead: [inwards[1], -inwards[0]] }
     }
 
-    /// Both ends of an edge, and samples between where the other side is near.
-    fn along(&self, a: [f64; 2], b: [f64; 2]) -> Vec<Sample> {
+    /// Appends both ends of an edge, and samples between where the other side is near.
+    fn along(&self, a: [f64; 2], b: [f64; 2], near: &mut Facing, samples: &mut Vec<Sample>) {
         let length_mm = real::hypot(b[0] - a[0], b[1] - a[1]);
         if length_mm <= 0.0 {
-            return Vec::new();
+            return;
         }
         let inwards = [(a[1] - b[1]) / length_mm, (b[0] - a[0]) / length_mm];
-        let facing = self.facing(a, b, inwards);
+        let facing = self.facing(a, b, inwards, near);
         let steps =
             if facing.is_empty() { 1.0 } else { (length_mm / (STEP * self.spacing_mm)).ceil().max(3.0) };
-        let mut samples: Vec<Sample> = (0..=steps as usize)
-            .map(|k| {
-                let at = [0, 1].map(|i| a[i] + (b[i] - a[i]) * k as f64 / steps);
-                Sample { at, inwards, spacing_mm: self.spacing_at(at, inwards, &facing) }
-            })
-            .collect();
-        // The samples next to the corners stay: the corner's width is between those of both edges.
-        let mut k = 2;
-        while k + 2 < samples.len() {
-            let [before, here, after] = [k - 1, k, k + 1].map(|i| samples[i].spacing_mm);
-            if before == here && here == after {
-                samples.remove(k);
-            } else {
-                k += 1;
+        let sample = |k: usize| {
+            let at = [0, 1].map(|i| a[i] + (b[i] - a[i]) * k as f64 / steps);
+            Sample { at, inwards, spacing_mm: self.spacing_at(at, inwards, facing) }
+        };
+        let (first, last) = (samples.len(), steps as usize);
+        for k in 0..=last {
+            let sample = sample(k);
+            // Of samples of one width those between others go. Those next to the corners stay: the corner's width is between those of
+            // both edges.
+            if let [.., before, here] = &samples[first..]
+                && samples.len() - first > 2
+                && k < last
+                && before.spacing_mm == here.spacing_mm
+                && here.spacing_mm == sample.spacing_mm
+            {
+                samples.pop();
             }
+            samples.push(sample);
         }
-        samples
     }
 
     /// Edges of the boundary that face an edge of the ring near enough to matter, as their ends.
-    fn facing(&self, a: [f64; 2], b: [f64; 2], inwards: [f64; 2]) -> Vec<[[f64; 2]; 2]> {
+    fn facing<'n>(
+        &self,
+        a: [f64; 2],
+        b: [f64; 2],
+        inwards: [f64; 2],
+        near: &'n mut Facing,
+    ) -> &'n [[[f64; 2]; 2]] {
         let reach = 2.0 * self.full * self.spacing_mm * UNITS_PER_MM;
         let [p, q] = [a, b].map(|v| Point::from_mm(v[0], v[1]));
-        let area = Bounds::of([p, q]).map(|area| area.grown(reach as i32));
-        let mut found = Vec::new();
-        if let Some(area) = area {
-            self.grid.near_box(area, &mut found);
-        }
-        found
-            .iter()
-            .map(|&i| &self.grid.edges()[i as usize])
-            .map(|edge| [edge.a.mm(), edge.b.mm()])
-            .filter(|[c, d]| {
-                let length_mm = real::hypot(d[0] - c[0], d[1] - c[1]);
-                let cosine = (inwards[0] * (c[1] - d[1]) + inwards[1] * (d[0] - c[0])) / length_mm;
-                cosine <= FACING
-            })
-            .collect()
+        self.grid.near_box(Bounds::spanned(p, q).grown(reach as i32), &mut near.found);
+        let edges = near.found.iter().map(|&i| &self.grid.edges()[i as usize]);
+        near.edges.clear();
+        near.edges.extend(edges.map(|edge| [edge.a.mm(), edge.b.mm()]).filter(|[c, d]| {
+            let length_mm = real::hypot(d[0] - c[0], d[1] - c[1]);
+            let cosine = (inwards[0] * (c[1] - d[1]) + inwards[1] * (d[0] - c[0])) / length_mm;
+            cosine <= FACING
+        }));
+        &near.edges
     }
 
     /// The bead's spacing at a point of the ring.

@@ -141,11 +141,11 @@ fn drawn(solid: &dyn Solid, fit: &Fit, width: usize, rows: Range<usize>) -> Vec<
         samples.extend(surface.corners.iter().map(|&corner| fit.sample(corner)));
         for triangles in surface.triangles.chunks(TRIANGLES) {
             solid.go_on();
-            for triangle in triangles {
-                let at = triangle.map(|corner| samples[corner as usize]);
-                let color =
-                    || shaded(&triangle.map(|corner| surface.corners[corner as usize]), surface.color);
-                canvas.triangle(&at, surface.is_closed, color);
+            for &[a, b, c] in triangles {
+                let [a, b, c] = [a as usize, b as usize, c as usize];
+                let corners = &surface.corners;
+                let color = || shaded(&[corners[a], corners[b], corners[c]], surface.color);
+                canvas.triangle(&[samples[a], samples[b], samples[c]], surface.is_closed, color);
             }
         }
     });
@@ -217,33 +217,32 @@ impl Canvas {
         if area == 0.0 || !area.is_finite() || (must_face && area > 0.0) {
             return;
         }
-        let span = |axis: usize, limits: Range<usize>| {
-            let low = real::lesser(real::lesser(a[axis], b[axis]), c[axis]);
-            let high = real::greater(real::greater(a[axis], b[axis]), c[axis]);
-            let [first, end] = [limits.start as f32, limits.end as f32];
-            (low - 0.5).ceil().max(first) as usize..((high - 0.5).floor() + 1.0).clamp(first, end) as usize
-        };
-        let (columns, rows) = (span(0, 0..self.width), span(1, self.rows.clone()));
+        let columns = samples_between([a[0], b[0], c[0]], 0..self.width);
+        let rows = samples_between([a[1], b[1], c[1]], self.rows.clone());
         if columns.is_empty() || rows.is_empty() {
             return;
         }
         // Most samples around a small triangle are outside, which needs no division; most triangles are hidden.
-        let outside = |doubled: f32| doubled != 0.0 && (doubled > 0.0) != (area > 0.0);
+        let is_outside = |doubled: f32| if area > 0.0 { doubled < 0.0 } else { doubled > 0.0 };
         let mut light = None;
         for y in rows {
-            for x in columns.clone() {
-                let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
-                let u = (px - a[0]) * (c[1] - a[1]) - (py - a[1]) * (c[0] - a[0]);
-                let v = (b[0] - a[0]) * (py - a[1]) - (b[1] - a[1]) * (px - a[0]);
-                if outside(u) || outside(v) {
+            let py = y as f32 + 0.5 - a[1];
+            let row = (y - self.rows.start) * self.width;
+            let (first, end) = (row + columns.start, row + columns.end);
+            let mut x = columns.start as f32 + 0.5;
+            for (nearest, color_there) in self.near[first..end].iter_mut().zip(&mut self.color[first..end]) {
+                let px = x - a[0];
+                x += 1.0;
+                let u = px * (c[1] - a[1]) - py * (c[0] - a[0]);
+                let v = (b[0] - a[0]) * py - (b[1] - a[1]) * px;
+                if is_outside(u) || is_outside(v) {
                     continue;
                 }
                 let (u, v) = (u / area, v / area);
                 let near = a[2] + u * (b[2] - a[2]) + v * (c[2] - a[2]);
-                let index = (y - self.rows.start) * self.width + x;
-                if u + v <= 1.0 && near > self.near[index] {
-                    self.near[index] = near;
-                    self.color[index] = *light.get_or_insert_with(&color);
+                if u + v <= 1.0 && near > *nearest {
+                    *nearest = near;
+                    *color_there = *light.get_or_insert_with(&color);
                 }
             }
         }
@@ -268,6 +267,16 @@ impl Canvas {
         let alpha = (255 * covered / all) as u8;
         PremultipliedColorU8::from_rgba(r, g, b, alpha).unwrap_or(PremultipliedColorU8::TRANSPARENT)
     }
+}
+
+/// The samples among some whose middles lie between the least and the greatest of some numbers.
+#[inline]
+fn samples_between([a, b, c]: [f32; 3], among: Range<usize>) -> Range<usize> {
+    let low = real::lesser(real::lesser(a, b), c);
+    let high = real::greater(real::greater(a, b), c);
+    let [first, end] = [among.start as f32, among.end as f32];
+    real::greater((low - 0.5).ceil(), first) as usize
+        ..real::lesser(real::greater((high - 0.5).floor() + 1.0, first), end) as usize
 }
 
 /// The colour of a facet in the light, whichever side of it is seen.

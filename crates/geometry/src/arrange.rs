@@ -4,6 +4,7 @@
 //! whose every part lies in the box of its two ends; so two chains are compared by halving, and chains are
 //! paired by a sweep over their boxes. All decisions are exact.
 
+use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 use super::region::push_ring;
@@ -58,6 +59,7 @@ struct Chain {
 }
 
 /// The rings of an arrangement, split into monotone chains.
+#[derive(Default)]
 pub(super) struct Arrangement {
     /// How many of the rings are first ones.
     firsts: usize,
@@ -72,42 +74,63 @@ pub(super) struct Arrangement {
     /// The same, where there are many.
     tree: Option<Boxes>,
     leftmost: Vec<usize>,
+    /// Chains in the order of the sweep, while it lasts.
+    order: Vec<Swept>,
+}
+
+/// A chain that is swept: where it begins along the axis, its number, where it ends, and where it begins and ends across.
+type Swept = (i32, u32, i32, [i32; 2]);
+
+thread_local! {
+    /// The last arrangement, whose buffers the next one uses.
+    static LAST: RefCell<Arrangement> = RefCell::default();
 }
 
 /// The boxes of more rings are looked up in a tree.
 const MANY: usize = 64;
 
 impl Arrangement {
-    /// Splits the rings, all of them first ones. Rings of fewer than three points, of equal neighbours one, are left out.
-    pub(super) fn new<'a>(first: impl IntoIterator<Item = &'a Ring>) -> Self {
-        Self::of_two(first, [])
-    }
-
-    /// As [`Self::new`], of first and second rings.
-    pub(super) fn of_two<'a>(
+    /// What a function makes of first and second rings, split. Rings of fewer than three points, of equal neighbours one, are left
+    /// out.
+    pub(super) fn with<'a, T>(
         first: impl IntoIterator<Item = &'a Ring>,
         second: impl IntoIterator<Item = &'a Ring>,
-    ) -> Self {
-        let mut rings: Vec<&Ring> = first.into_iter().collect();
-        let split = rings.len();
-        rings.extend(second);
-        let mut points = Vec::with_capacity(rings.iter().map(|ring| ring.len() + 1).sum());
-        let (mut spans, mut firsts) = (Vec::with_capacity(rings.len()), 0);
-        for (index, ring) in rings.into_iter().enumerate() {
+        work: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        let mut arrangement = LAST.take();
+        arrangement.split(first, second);
+        let result = work(&mut arrangement);
+        LAST.set(arrangement);
+        result
+    }
+
+    /// Replaces all rings.
+    fn split<'a>(
+        &mut self,
+        first: impl IntoIterator<Item = &'a Ring>,
+        second: impl IntoIterator<Item = &'a Ring>,
+    ) {
+        let Self { firsts, points, spans, chains, owned, boxes, tree, leftmost, .. } = self;
+        points.clear();
+        spans.clear();
+        let mut add = |ring: &Ring| {
             let start = points.len();
-            push_ring(&mut points, ring);
+            push_ring(points, ring);
             let end = points.len();
             if end - start > 2 {
                 points.push(points[start]);
                 spans.push((start, end));
-                firsts += usize::from(index < split);
             } else {
                 points.truncate(start);
             }
-        }
-        let mut chains: Vec<Chain> = Vec::with_capacity(points.len() / 4 + 8);
-        let (mut owned, mut boxes) = (Vec::with_capacity(spans.len() + 1), Vec::with_capacity(spans.len()));
-        let mut leftmost = Vec::with_capacity(spans.len());
+            spans.len()
+        };
+        *firsts = first.into_iter().map(&mut add).last().unwrap_or(0);
+        second.into_iter().for_each(|ring| _ = add(ring));
+        chains.clear();
+        owned.clear();
+        boxes.clear();
+        leftmost.clear();
         owned.push(0);
         for (index, &(start, end)) in spans.iter().enumerate() {
             let (mut first, mut sense) = (start, (0, 0));
@@ -141,27 +164,33 @@ impl Arrangement {
             owned.push(chains.len());
             boxes.push(whole.unwrap_or(Bounds::spanned(points[start], points[start])));
         }
-        let tree = (boxes.len() > MANY).then(|| Boxes::new(boxes.iter().copied()));
-        Self { firsts, points, spans, chains, owned, boxes, tree, leftmost }
+        *tree = (boxes.len() > MANY).then(|| Boxes::new(boxes.iter().copied()));
     }
 
     /// Pairs of edges that cross, each by its first vertex in [`Self::points`]; `None` where edges touch otherwise than neighbours
     /// in a ring at their common vertex. O(n + c log c) for n vertices in c chains when chains are mostly apart, and O(1) for each
     /// pair.
-    pub(super) fn crossings(&self) -> Option<Vec<(usize, usize)>> {
+    pub(super) fn crossings(&mut self) -> Option<Vec<(usize, usize)>> {
         let mut pairs = Vec::new();
-        let end = self.meetings(&mut |i, j, contact| {
+        let mut order = std::mem::take(&mut self.order);
+        let end = self.meetings(&mut order, &mut |i, j, contact| {
             if contact == Contact::Touch {
                 return ControlFlow::Break(());
             }
             pairs.push((i, j));
             ControlFlow::Continue(())
         });
+        self.order = order;
         end.is_continue().then_some(pairs)
     }
 
-    /// Calls a function for every two edges that meet elsewhere than at a vertex between neighbours.
-    fn meetings(&self, see: &mut impl FnMut(usize, usize, Contact) -> ControlFlow<()>) -> ControlFlow<()> {
+    /// Calls a function for every two edges that meet elsewhere than at a vertex between neighbours. The order of the sweep replaces
+    /// the contents of `order`.
+    fn meetings(
+        &self,
+        order: &mut Vec<Swept>,
+        see: &mut impl FnMut(usize, usize, Contact) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         // Sweep along the axis on which the chains are shorter.
         let whole = self.boxes.iter().copied().reduce(|a, b| a.joined(&b)).unwrap_or_default();
         let sides = |b: &Bounds| b.size().map(|side| side as f64);
@@ -169,12 +198,12 @@ impl Arrangement {
         let [width, height] = sums.fold([0.0; 2], |sum, side| [sum[0] + side[0], sum[1] + side[1]]);
         let [across, up] = sides(&whole).map(|side| side.max(1.0));
         let along_x = width / across <= height / up;
-        // Where each chain begins and ends along the axis, and across.
         let swept = |(i, Chain { bounds: Bounds { min, max }, .. }): (usize, &Chain)| match along_x {
             true => (min.x, i as u32, max.x, [min.y, max.y]),
             false => (min.y, i as u32, max.y, [min.x, max.x]),
         };
-        let mut order: Vec<(i32, u32, i32, [i32; 2])> = self.chains.iter().enumerate().map(swept).collect();
+        order.clear();
+        order.extend(self.chains.iter().enumerate().map(swept));
         order.sort_unstable_by_key(|&(begin, chain, ..)| (begin, chain));
         for (i, &(_, a, end, [low, high])) in order.iter().enumerate() {
             for &(_, b, _, [from, to]) in order[i + 1..].iter().take_while(|b| b.0 <= end) {
@@ -383,7 +412,8 @@ mod tests {
     }
 
     fn is_simple(rings: &[Ring]) -> bool {
-        Arrangement::new(rings).crossings().is_some_and(|crossings| crossings.is_empty())
+        let crossings = Arrangement::with(rings, [], Arrangement::crossings);
+        crossings.is_some_and(|crossings| crossings.is_empty())
     }
 
     #[test]

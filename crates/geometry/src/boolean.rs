@@ -77,15 +77,16 @@ pub(super) fn positive(rings: &[Ring]) -> (Region, bool) {
 
 /// The region that a rule leaves of rings, and whether they meet nowhere.
 fn resolve<'a>(rings: impl IntoIterator<Item = &'a Ring>, rule: Rule) -> (Region, bool) {
-    let arrangement = Arrangement::new(rings);
-    let crossings = arrangement.crossings();
-    // Nothing is around a single one.
-    if let ([(start, end)], Some([])) = (arrangement.spans(), crossings.as_deref()) {
-        return (alone(arrangement.points()[*start..*end].to_vec(), rule), true);
-    }
-    let are_apart = crossings.as_ref().is_some_and(|crossings| crossings.is_empty());
-    let crossed = crossings.and_then(|crossings| Crossed::new(&arrangement, &crossings));
-    (of_rule(&arrangement, crossed.as_ref(), rule), are_apart)
+    Arrangement::with(rings, [], |arrangement| {
+        let crossings = arrangement.crossings();
+        // Nothing is around a single one.
+        if let ([(start, end)], Some([])) = (arrangement.spans(), crossings.as_deref()) {
+            return (alone(arrangement.points()[*start..*end].to_vec(), rule), true);
+        }
+        let are_apart = crossings.as_ref().is_some_and(|crossings| crossings.is_empty());
+        let crossed = crossings.and_then(|crossings| Crossed::new(arrangement, &crossings));
+        (of_rule(arrangement, crossed.as_ref(), rule), are_apart)
+    })
 }
 
 /// The region that a rule leaves of a ring that does not meet itself.
@@ -103,6 +104,9 @@ fn alone(mut ring: Ring, rule: Rule) -> Region {
 /// Groups of boxes that are connected by touching pairs for which `links` holds, each ascending, in the order of
 /// their first members.
 pub(super) fn clusters(boxes: &[Bounds], links: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+    if let [_] = boxes {
+        return vec![vec![0]];
+    }
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by_key(|&i| (boxes[i].min.x, i));
     let mut root: Vec<usize> = (0..boxes.len()).collect();
@@ -157,12 +161,13 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
             continue;
         }
         let [in_a, in_b] = [in_a, in_b].map(|part| part.iter().flat_map(|&i| polygons[i].rings()));
-        let arrangement = Arrangement::of_two(in_a, in_b);
-        let crossings = arrangement.crossings();
-        let crossed = crossings.and_then(|crossings| Crossed::new(&arrangement, &crossings));
-        for (result, rule) in results.iter_mut().zip(rules) {
-            result.polygons.extend(of_rule(&arrangement, crossed.as_ref(), rule).polygons);
-        }
+        Arrangement::with(in_a, in_b, |arrangement| {
+            let crossings = arrangement.crossings();
+            let crossed = crossings.and_then(|crossings| Crossed::new(arrangement, &crossings));
+            for (result, rule) in results.iter_mut().zip(rules) {
+                result.polygons.extend(of_rule(arrangement, crossed.as_ref(), rule).polygons);
+            }
+        });
     }
     results
 }

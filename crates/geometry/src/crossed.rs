@@ -278,8 +278,10 @@ mod tests {
     }
 
     fn region(rings: &[Ring], rule: Rule) -> Option<Region> {
-        let arrangement = Arrangement::new(rings);
-        Crossed::new(&arrangement, &arrangement.crossings()?)?.region(rule)
+        Arrangement::with(rings, [], |arrangement| {
+            let crossings = arrangement.crossings()?;
+            Crossed::new(arrangement, &crossings)?.region(rule)
+        })
     }
 
     #[test]

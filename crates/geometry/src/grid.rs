@@ -132,19 +132,19 @@ impl EdgeGrid {
     /// and some more. They replace the contents of `found`.
     pub fn near_box(&self, bounds: Bounds, found: &mut Vec<u32>) {
         found.clear();
-        self.items_around(bounds).for_each(|i| found.push(i));
+        self.rows_around(bounds).for_each(|items| found.extend_from_slice(items));
         found.sort_unstable();
         found.dedup();
     }
 
     /// The edges whose boxes touch a box, in no order; an edge may come several times.
     pub fn edges_touching(&self, bounds: Bounds) -> impl Iterator<Item = &Edge> {
-        let edges = self.items_around(bounds).map(|i| &self.edges[i as usize]);
+        let edges = self.rows_around(bounds).flatten().map(|&i| &self.edges[i as usize]);
         edges.filter(move |edge| edge.bounds().touches(&bounds))
     }
 
-    /// The items of all cells that meet a box.
-    fn items_around(&self, bounds: Bounds) -> impl Iterator<Item = u32> {
+    /// The items of all cells that meet a box, row by row.
+    fn rows_around(&self, bounds: Bounds) -> impl Iterator<Item = &[u32]> {
         let cell = |at: i32, origin: i32, cells: i64, slack: i64| {
             (i64::from(at) - i64::from(origin) + slack).div_euclid(self.cell).clamp(0, cells - 1)
         };
@@ -153,9 +153,9 @@ impl EdgeGrid {
         let right = cell(bounds.max.x, origin.x, self.columns, SLACK);
         let rows = cell(min.y, origin.y, self.rows, -SLACK)..=cell(bounds.max.y, origin.y, self.rows, SLACK);
         // The cells of a row lie side by side, and so do their items.
-        rows.flat_map(move |row| {
+        rows.map(move |row| {
             let at = |column: i64| (row * self.columns + column) as usize;
-            self.items_in(at(left)..at(right) + 1).iter().copied()
+            self.items_in(at(left)..at(right) + 1)
         })
     }
 
@@ -166,13 +166,9 @@ impl EdgeGrid {
 
     /// Distance from a point to the nearest edge, in millimetres; more than `reach_mm` where that is more.
     pub fn distance_mm(&self, p: Point, reach_mm: f64) -> f64 {
-        let mut near = Vec::new();
-        if let Some(area) = Bounds::of([p]) {
-            self.near_box(area.grown((reach_mm * UNITS_PER_MM).ceil() as i32), &mut near);
-        }
-        let edges = near.iter().map(|&i| &self.edges[i as usize]);
-        edges
-            .map(|edge| to_segment_mm(p.mm(), edge.a.mm(), edge.b.mm()))
+        let area = Bounds::spanned(p, p).grown((reach_mm * UNITS_PER_MM).ceil() as i32);
+        let near = self.rows_around(area).flatten().map(|&i| &self.edges[i as usize]);
+        near.map(|edge| to_segment_mm(p.mm(), edge.a.mm(), edge.b.mm()))
             .fold(f64::INFINITY, |least, mm| real::lesser(mm, least))
     }
 

@@ -82,8 +82,10 @@ impl Frame {
             let moved = self.moved(&arrangement.points()[start..end], by);
             if is_second { &mut second } else { &mut first }.push(moved);
         }
-        let finer = Arrangement::of_two(&first, &second);
-        let region = Crossed::new(&finer, &finer.crossings()?)?.region(rule)?;
+        let region = Arrangement::with(&first, &second, |finer| {
+            let crossings = finer.crossings()?;
+            Crossed::new(finer, &crossings)?.region(rule)
+        })?;
         let rounded = |ring: &Ring| cleaned(ring.iter().map(|&p| self.coarser(p)));
         let polygons = region.polygons.iter().filter_map(|polygon| {
             let outer = rounded(&polygon.outer);
@@ -179,7 +181,8 @@ mod tests {
     }
 
     fn of(first: &[Ring], second: &[Ring], rule: Rule) -> Vec<f64> {
-        let region = region(&Arrangement::of_two(first, second), rule).expect("they are parted");
+        let region = Arrangement::with(first, second, |arrangement| region(arrangement, rule));
+        let region = region.expect("they are parted");
         let unit2 = 1e-10;
         region
             .polygons

@@ -3,9 +3,11 @@
 //! Each ring is moved by itself, without the edges that shrink to nothing; where the moved rings touch nothing, as is the rule,
 //! they are the result already. Else the overlaps are taken out by winding number.
 
+use std::cell::RefCell;
+
 use super::boolean::{clusters, difference, positive};
 use super::raw_offset::{Join, RingOffset};
-use super::simplify::simplify_ring;
+use super::simplify::simplify_into;
 use super::{Bounds, Point, Polygon, Region, Ring, UNITS_PER_MM, ring_area};
 
 /// Offsetting may move the boundary by this much, in millimetres, to save vertices: a quarter of the finest
@@ -71,12 +73,11 @@ fn moved(region: &Region, by_mm: f64, join: Join) -> (Region, bool) {
     if by.is_nan() || by == 0.0 || region.is_empty() {
         return (region.clone(), true);
     }
-    let mut task = Offset {
-        by,
-        tolerance: (TOLERANCE_MM * UNITS_PER_MM).min(by.abs() / 8.0) / 2.0,
-        rings: RingOffset::new(by, join),
-        is_whole: true,
-    };
+    let mut task = LAST.take();
+    task.by = by;
+    task.tolerance = (TOLERANCE_MM * UNITS_PER_MM).min(by.abs() / 8.0) / 2.0;
+    task.rings.set(by, join);
+    task.is_whole = true;
     let mut result = Region::default();
     if by < 0.0 {
         for polygon in &region.polygons {
@@ -88,7 +89,9 @@ fn moved(region: &Region, by_mm: f64, join: Join) -> (Region, bool) {
             task.together(&polygons, &mut result);
         }
     }
-    (result, task.is_whole)
+    let is_whole = task.is_whole;
+    LAST.set(task);
+    (result, is_whole)
 }
 
 /// What is left after shrinking and growing back: parts narrower than twice the radius vanish. Mitred corners may
@@ -136,57 +139,78 @@ fn groups(region: &Region, reach: f64) -> Vec<Vec<usize>> {
     clusters(&boxes, |_, _| true)
 }
 
+thread_local! {
+    /// The last offset, whose buffers the next one uses.
+    static LAST: RefCell<Offset> = RefCell::default();
+}
+
+#[derive(Default)]
 struct Offset {
     by: f64,
     tolerance: f64,
     rings: RingOffset,
     /// Whether all rings so far move back to where they were.
     is_whole: bool,
+    /// A ring, simplified; outer ones counter-clockwise, holes clockwise.
+    ring: Ring,
+    /// The same, moved.
+    front: Ring,
+    /// Moved rings, whose points of positive winding are the offset; then some that were.
+    curves: Vec<Ring>,
 }
 
 impl Offset {
     /// Offsets polygons that may meet.
     fn together(&mut self, polygons: &[&Polygon], result: &mut Region) {
-        let rings = self.prepare(polygons);
-        let curves: Vec<Ring> = rings.iter().map(|ring| self.curve(ring)).collect();
-        let (mut region, are_all) = positive(&curves);
+        let mut count = 0;
+        for polygon in polygons {
+            for (i, ring) in polygon.rings().enumerate() {
+                if self.prepare(ring, i == 0) {
+                    self.add_curve(count);
+                    count += 1;
+                    continue;
+                }
+                self.is_whole = false;
+                if i == 0 {
+                    break;
+                }
+            }
+        }
+        let (mut region, are_all) = positive(&self.curves[..count]);
         let count = region.polygons.len();
         region.polygons.retain(|polygon| ring_area(&polygon.outer) > MIN_AREA_MM2);
         self.is_whole &= are_all && region.polygons.len() == count;
         result.polygons.append(&mut region.polygons);
     }
 
-    /// A moved ring, whose points of positive winding are the offset.
-    fn curve(&mut self, ring: &Ring) -> Ring {
-        let front = self.rings.front(ring).map(|front| simplify_ring(&front, self.tolerance));
-        let front = front.filter(|front| !front.is_empty());
-        self.is_whole &= front.is_some() && self.rings.is_whole;
-        front.unwrap_or_else(|| self.rings.raw(ring))
+    /// Makes a curve of the ring.
+    fn add_curve(&mut self, number: usize) {
+        if number == self.curves.len() {
+            self.curves.push(Ring::new());
+        }
+        let curve = &mut self.curves[number];
+        let mut is_front = false;
+        if self.rings.front(&self.ring, &mut self.front).is_some() {
+            simplify_into(&self.front, self.tolerance, curve);
+            is_front = !curve.is_empty();
+        }
+        self.is_whole &= is_front && self.rings.is_whole;
+        if !is_front {
+            self.rings.raw(&self.ring, curve);
+        }
     }
 
-    /// The rings, simplified, outer ones counter-clockwise and holes clockwise, without those that surely vanish.
-    fn prepare(&mut self, polygons: &[&Polygon]) -> Vec<Ring> {
-        let mut rings = Vec::new();
-        for polygon in polygons {
-            for (i, ring) in polygon.rings().enumerate() {
-                let is_outer = i == 0;
-                let shrinks = is_outer == (self.by < 0.0);
-                let mut ring = simplify_ring(ring, self.tolerance);
-                let vanishes = ring.is_empty() || shrinks && self.swallows(&ring);
-                if vanishes {
-                    self.is_whole = false;
-                    if is_outer {
-                        break;
-                    }
-                    continue;
-                }
-                if (ring_area(&ring) > 0.0) != is_outer {
-                    ring.reverse();
-                }
-                rings.push(ring);
-            }
+    /// Takes up a ring, unless it surely vanishes.
+    fn prepare(&mut self, ring: &Ring, is_outer: bool) -> bool {
+        simplify_into(ring, self.tolerance, &mut self.ring);
+        let shrinks = is_outer == (self.by < 0.0);
+        if self.ring.is_empty() || shrinks && self.swallows(&self.ring) {
+            return false;
         }
-        rings
+        if (ring_area(&self.ring) > 0.0) != is_outer {
+            self.ring.reverse();
+        }
+        true
     }
 
     /// Whether nothing is left of the ring's inside, because the distance is more than half its width.
@@ -249,7 +273,10 @@ mod tests {
             if by_mm.abs() < 0.02 {
                 continue;
             }
-            let whole = positive(&[RingOffset::new(by_mm * UNITS_PER_MM, Join::DEFAULT).raw(&ring)]).0;
+            let (mut rings, mut raw) = (RingOffset::default(), Ring::new());
+            rings.set(by_mm * UNITS_PER_MM, Join::DEFAULT);
+            rings.raw(&ring, &mut raw);
+            let whole = positive(&[raw]).0;
             let moved = offset(&Region::from(Polygon { outer: ring.clone(), holes: Vec::new() }), by_mm);
             for (a, b) in [(&whole, &moved), (&moved, &whole)] {
                 let more = opening(&difference(a, b), 3.0 * TOLERANCE_MM);

@@ -24,6 +24,12 @@ pub enum Join {
 /// Farthest that results may lie from the origin, in units, for products of differences to fit an `i64`.
 const LIMIT: f64 = 1.07e9;
 
+impl Default for Join {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
 impl Join {
     /// Corners sharper than 60° are cut off square.
     pub const DEFAULT: Self = Self::Miter { limit: 2.0 };
@@ -101,6 +107,7 @@ struct Corner {
 }
 
 /// Offsets rings to their right by `by` units (to their left where negative).
+#[derive(Default)]
 pub(super) struct RingOffset {
     by: f64,
     join: Join,
@@ -117,7 +124,8 @@ pub(super) struct RingOffset {
 }
 
 impl RingOffset {
-    pub(super) fn new(by: f64, join: Join) -> Self {
+    /// From now on offsets by other units.
+    pub(super) fn set(&mut self, by: f64, join: Join) {
         let (miter_floor, arc_step) = match join {
             Join::Miter { limit } => (2.0 / (limit * limit).max(1.0), 0.0),
             Join::Round { tolerance_mm } => {
@@ -127,51 +135,52 @@ impl RingOffset {
                 (1.0 + real::cos(step), step)
             }
         };
-        Self { by, join, miter_floor, arc_step, corners: Vec::new(), lost: Vec::new(), is_whole: false }
+        (self.by, self.join) = (by, join);
+        (self.miter_floor, self.arc_step) = (miter_floor, arc_step);
     }
 
     /// The offset curve whose edges are the ring's, moved, extended or shortened to meet, without those that
     /// have shrunk to nothing: the wavefront of a straight skeleton (Aichholzer et al. 1995,
     /// doi:10.1007/978-3-642-80350-5_65) as long as it does not split. `None` where it vanishes or shows that it did
     /// split. Else it is the offset, provided that it touches neither itself nor another. No two neighbouring points
-    /// of the ring may be equal.
-    pub(super) fn front(&mut self, ring: &[Point]) -> Option<Ring> {
+    /// of the ring may be equal. The curve replaces the contents of `curve`.
+    pub(super) fn front(&mut self, ring: &[Point], curve: &mut Ring) -> Option<()> {
         self.load(ring);
         self.drop_lost_edges()?;
-        let mut curve = Ring::with_capacity(self.corners.len() + 8);
+        curve.clear();
         // Walking by links passes only the corners that are left.
         let first = self.corners.iter().enumerate().position(|(i, c)| self.is_linked(i, c))?;
         let mut i = first;
         loop {
             let corner = self.corners[i];
             let before = self.corners[corner.before as usize].along;
-            self.push_join(&mut curve, corner.at, before, corner.along);
+            self.push_join(curve, corner.at, before, corner.along);
             i = corner.after as usize;
             if i == first {
                 break;
             }
         }
-        Some(curve)
+        Some(())
     }
 
     /// The offset curve of every edge at its full length, joined through the corner itself where offset edges cross:
-    /// its points of positive winding are the offset (Chen & McMains 2005, doi:10.1115/DETC2005-85513).
-    pub(super) fn raw(&mut self, ring: &[Point]) -> Ring {
+    /// its points of positive winding are the offset (Chen & McMains 2005, doi:10.1115/DETC2005-85513). The curve replaces the
+    /// contents of `curve`.
+    pub(super) fn raw(&mut self, ring: &[Point], curve: &mut Ring) {
         self.load(ring);
-        let mut curve = Ring::with_capacity(self.corners.len() * 2);
+        curve.clear();
         for corner in &self.corners {
             let before = &self.corners[corner.before as usize];
             let (at, u, v) = (corner.at, before.along, corner.along);
             // A mitre that takes less than half of either edge cuts off points near this corner only.
             let local = corner.gain.abs() <= 0.5 * before.length.min(corner.length);
             if local || self.parts(u, v) {
-                self.push_join(&mut curve, at, u, v);
+                self.push_join(curve, at, u, v);
             } else {
                 let ends = [at.plus(self.by, u.right()), at, at.plus(self.by, v.right())];
                 curve.extend(ends.map(Vector::point));
             }
         }
-        curve
     }
 
     fn load(&mut self, ring: &[Point]) {

@@ -17,13 +17,18 @@ pub fn simplify(region: &Region, tol_mm: f64) -> Region {
 /// leftmost (then lowest) vertex. It may touch or cross itself where it is narrower than the tolerance.
 /// Rings of no more than two distinct points come out empty.
 pub(super) fn simplify_ring(ring: &[Point], tol: f64) -> Ring {
-    let Some(start) = leftmost(ring) else {
-        return Ring::new();
-    };
+    let mut kept = Ring::with_capacity(ring.len());
+    simplify_into(ring, tol, &mut kept);
+    kept
+}
+
+/// [`simplify_ring`], which replaces the contents of `kept`.
+pub(super) fn simplify_into(ring: &[Point], tol: f64, kept: &mut Ring) {
+    kept.clear();
+    let Some(start) = leftmost(ring) else { return };
     let tol2 = tol * tol;
     let at = |i: usize| ring[if i < ring.len() { i } else { i - ring.len() }];
     let end = start + ring.len();
-    let mut kept = Ring::with_capacity(ring.len());
     kept.push(ring[start]);
     let (mut anchor, mut next) = (start, at(start + 1));
     for i in start + 1..end {
@@ -46,7 +51,6 @@ pub(super) fn simplify_ring(ring: &[Point], tol: f64) -> Ring {
     if kept.len() < 3 {
         kept.clear();
     }
-    kept
 }
 
 /// The leftmost vertex, of those the lowest, of equal ones the first; `None` of nothing.
