@@ -1,5 +1,7 @@
 //! Lengths, areas and directions of a mesh as it is read.
 
+use geometry::real::{greater, lesser};
+
 use super::edges::ends;
 
 /// A point or direction, exactly as read.
@@ -23,6 +25,15 @@ pub(super) fn area_mm2(vertices: &[[f32; 3]], triangle: [u32; 3]) -> f64 {
 pub(super) fn length_mm(vertices: &[[f32; 3]], triangles: &[[u32; 3]], half: u32) -> f64 {
     let (a, b) = ends(triangles, half);
     (point(vertices, b) - point(vertices, a)).norm()
+}
+
+/// Extends a box to a point.
+#[inline]
+pub(super) fn extend(min: &mut [f32; 3], max: &mut [f32; 3], point: [f32; 3]) {
+    for i in 0..3 {
+        min[i] = lesser(point[i], min[i]);
+        max[i] = greater(point[i], max[i]);
+    }
 }
 
 /// Keeps the elements that are marked.

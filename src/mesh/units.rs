@@ -6,6 +6,7 @@ use geometry::real;
 use serde::Serialize;
 
 use super::error::MeshError;
+use super::measure::extend;
 use super::surface::Mesh;
 use super::transform::Transform;
 use super::weld::{FARTHEST, LIMIT_MM};
@@ -86,12 +87,11 @@ pub(super) fn in_words(size_mm: [f64; 3]) -> String {
 
 /// Extents of the points that have a position; `None`: none has.
 pub(super) fn size_of(points: impl Iterator<Item = [f32; 3]>) -> Option<[f64; 3]> {
-    let sound = |p: &[f32; 3]| p.iter().all(|x| x.abs() <= FARTHEST);
-    let corners = points.filter(sound).map(|p| [p, p]);
-    let [low, high] = corners.reduce(|[low, high], [p, _]| {
-        [[0, 1, 2].map(|i| low[i].min(p[i])), [0, 1, 2].map(|i| high[i].max(p[i]))]
-    })?;
-    Some([0, 1, 2].map(|i| f64::from(high[i]) - f64::from(low[i])))
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for p in points.filter(|p| p.iter().all(|x| x.abs() <= FARTHEST)) {
+        extend(&mut low, &mut high, p);
+    }
+    (low[0] <= high[0]).then(|| [0, 1, 2].map(|i| f64::from(high[i]) - f64::from(low[i])))
 }
 
 /// A mesh that can be transformed and cut: where it lies far away it is brought to the origin. Returns it with where it was.

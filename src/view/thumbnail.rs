@@ -211,7 +211,8 @@ impl Canvas {
     }
 
     /// Draws a triangle where nothing nearer is, if it faces the eye or need not.
-    fn triangle(&mut self, [a, b, c]: &[[f32; 3]; 3], must_face: bool, color: impl Fn() -> Rgb) {
+    fn triangle(&mut self, corners: &[[f32; 3]; 3], must_face: bool, color: impl Fn() -> Rgb) {
+        let [a, b, c] = corners;
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         // Rows go downwards.
         if area == 0.0 || !area.is_finite() || (must_face && area > 0.0) {
@@ -226,7 +227,11 @@ impl Canvas {
         let is_outside = |doubled: f32| if area > 0.0 { doubled < 0.0 } else { doubled > 0.0 };
         let mut light = None;
         for y in rows {
-            let py = y as f32 + 0.5 - a[1];
+            let middle = y as f32 + 0.5;
+            // Of a sliver's box hardly anything is inside.
+            let columns =
+                if columns.len() > FEW { in_row(corners, middle, &columns) } else { columns.clone() };
+            let py = middle - a[1];
             let row = (y - self.rows.start) * self.width;
             let (first, end) = (row + columns.start, row + columns.end);
             let mut x = columns.start as f32 + 0.5;
@@ -269,8 +274,37 @@ impl Canvas {
     }
 }
 
+/// Columns that are not worth finding out which of them a triangle covers.
+const FEW: usize = 8;
+
+/// What the coordinates of samples are accurate to, and more.
+const NOISE: f32 = 1e-3;
+
+/// The columns that a triangle covers in a row with this middle, and one or a few more on either side.
+fn in_row(corners: &[[f32; 3]; 3], middle: f32, columns: &Range<usize>) -> Range<usize> {
+    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+    for k in 0..3 {
+        let (p, q) = (corners[k], corners[if k == 2 { 0 } else { k + 1 }]);
+        let (top, bottom) = (real::lesser(p[1], q[1]), real::greater(p[1], q[1]));
+        if middle < top - NOISE || middle > bottom + NOISE {
+            continue;
+        }
+        let (left, right) = (real::lesser(p[0], q[0]), real::greater(p[0], q[0]));
+        let slope = (q[0] - p[0]) / (q[1] - p[1]);
+        let at = p[0] + (middle - p[1]) * slope;
+        let beyond = 1.0 + slope.abs() * NOISE;
+        // Of a level edge nothing is known but its ends.
+        let [from, to] = if beyond.is_finite() { [at - beyond, at + beyond] } else { [left, right] };
+        low = real::lesser(real::greater(from, left - 1.0), low);
+        high = real::greater(real::lesser(to, right + 1.0), high);
+    }
+    let (first, end) = (columns.start as f32, columns.end as f32);
+    let first = real::lesser(real::greater(low, first), end) as usize;
+    first..(real::lesser(high + 1.0, end) as usize).max(first)
+}
+
 /// The samples among some whose middles lie between the least and the greatest of some numbers.
-#[inline]
+#[inline(always)]
 fn samples_between([a, b, c]: [f32; 3], among: Range<usize>) -> Range<usize> {
     let low = real::lesser(real::lesser(a, b), c);
     let high = real::greater(real::greater(a, b), c);
@@ -345,6 +379,38 @@ mod tests {
         assert!(pairs().filter(|(_, whole)| whole.alpha() > 0).count() > 1000);
         // At its rim a sample may be of either side.
         assert!(pairs().filter(|(closed, whole)| closed != whole).count() < 10);
+    }
+
+    #[test]
+    fn no_sample_of_a_triangle_is_left_out_of_its_rows() {
+        let mut random = geometry::Random::new(1);
+        let mut samples = 0;
+        for round in 0..3000 {
+            let mut number = |below: u32| random.below(below * 1000) as f32 / 1000.0;
+            let from = [number(100), number(100)];
+            // Slivers in all directions, level and upright ones among them.
+            let (along, across) = ([number(200) - 100.0, number(200) - 100.0], number(2));
+            let along =
+                [if round % 5 == 0 { 0.0 } else { along[0] }, if round % 7 == 0 { 0.0 } else { along[1] }];
+            let beside = [from[0] + along[0] / 3.0 + across, from[1] + along[1] / 2.0 - across];
+            let corners = [from, [from[0] + along[0], from[1] + along[1]], beside].map(|[x, y]| [x, y, 0.0]);
+            let [a, b, c] = corners.map(|corner| corner.map(f64::from));
+            let side = |p: [f64; 3], q: [f64; 3], x: f64, y: f64| {
+                (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
+            };
+            for y in 0..100 {
+                let columns = in_row(&corners, y as f32 + 0.5, &(0..100));
+                for x in 0..100 {
+                    let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
+                    let sides = [side(a, b, px, py), side(b, c, px, py), side(c, a, px, py)];
+                    let is_inside =
+                        sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0);
+                    samples += usize::from(is_inside);
+                    assert!(!is_inside || columns.contains(&x), "{corners:?}: {x} {y} not in {columns:?}");
+                }
+            }
+        }
+        assert!(samples > 10_000, "{samples}");
     }
 
     #[test]

@@ -275,8 +275,12 @@ fn repaired(
     let repair::Repaired { vertices, triangles, twins, repairs } = repair::repair(soup, workers);
     // A seam in a surface with one side does not take its outside from the rest.
     let oriented = repairs.clashing * FEW_CLASHES <= triangles.len();
+    let mut vertices_mm = Vec::with_capacity(vertices.len());
+    for [x, y, z] in vertices {
+        vertices_mm.push([f64::from(x), f64::from(y), f64::from(z)]);
+    }
     let mesh = Mesh {
-        vertices: vertices.into_iter().map(|v| v.map(f64::from)).collect(),
+        vertices: vertices_mm,
         triangles: triangles.into(),
         twins: twins.into(),
         oriented,

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::mesh::edges::NO_TWIN;
+use crate::mesh::measure::extend;
 
 /// How far the repaired volume may be from what was meant, why, and where. `Display` gives it in words.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,10 +48,8 @@ pub(super) struct Doubtful {
 impl Doubtful {
     /// In the box around some points.
     pub fn around(cause: &'static str, volume_mm3: f64, points: impl Iterator<Item = [f32; 3]>) -> Self {
-        let nothing = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-        let [min, max] = points.fold(nothing, |[min, max], p| {
-            [std::array::from_fn(|i| min[i].min(p[i])), std::array::from_fn(|i| max[i].max(p[i]))]
-        });
+        let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        points.for_each(|point| extend(&mut min, &mut max, point));
         Self { cause, volume_mm3, min, max }
     }
 }
@@ -60,11 +59,14 @@ const LEAST_SHARE: f64 = 3e-3;
 
 /// All doubts as one, if they matter; at most as much as has room in the box around all.
 pub(super) fn sum(doubts: &[Doubtful], volume_mm3: f64, vertices: &[[f32; 3]]) -> Option<Doubt> {
+    if doubts.is_empty() {
+        return None;
+    }
     let all = Doubtful::around("", 0.0, vertices.iter().copied());
     let box_mm3: f64 = (0..3).map(|i| f64::from(all.max[i] - all.min[i])).product();
     let total_mm3 = doubts.iter().map(|d| d.volume_mm3).sum::<f64>().min(box_mm3);
     let share = total_mm3 / volume_mm3.abs().max(f64::MIN_POSITIVE);
-    if doubts.is_empty() || share < LEAST_SHARE {
+    if share < LEAST_SHARE {
         return None;
     }
     // Where most of it is.

@@ -3,7 +3,7 @@
 use super::doubts::Doubtful;
 use super::rays;
 use crate::mesh::edges::NO_TWIN;
-use crate::mesh::measure::facet_measures;
+use crate::mesh::measure::{extend, facet_measures};
 
 /// A shell is looked at from this many of its corners.
 const MOST_CORNERS: usize = 16;
@@ -33,12 +33,6 @@ impl Shell {
         area_mm2: 0.0,
         facets: 0,
     };
-
-    #[inline]
-    fn add(&mut self, point: [f32; 3]) {
-        self.min = std::array::from_fn(|i| self.min[i].min(point[i]));
-        self.max = std::array::from_fn(|i| self.max[i].max(point[i]));
-    }
 
     fn encloses(&self, other: &Self) -> bool {
         (0..3).all(|i| self.min[i] <= other.min[i] && other.max[i] <= self.max[i])
@@ -205,23 +199,28 @@ fn show_backs(views: &[View], shell_of: &[u32], turn: &[bool]) -> bool {
 fn measure(vertices: &[[f32; 3]], triangles: &[[u32; 3]], shell_of: &[u32], count: usize) -> Vec<Shell> {
     let mut shells = vec![Shell::NOTHING; count];
     if let [only] = shells.as_mut_slice() {
-        vertices.iter().for_each(|&p| only.add(p));
+        vertices.iter().for_each(|&p| extend(&mut only.min, &mut only.max, p));
     } else {
         // The shell that a vertex was added to: most are corners of some six facets of one.
         let mut added = vec![u32::MAX; vertices.len()];
         for (triangle, &shell) in triangles.iter().zip(shell_of) {
             for &v in triangle {
                 if std::mem::replace(&mut added[v as usize], shell) != shell {
-                    shells[shell as usize].add(vertices[v as usize]);
+                    let shell = &mut shells[shell as usize];
+                    extend(&mut shell.min, &mut shell.max, vertices[v as usize]);
                 }
             }
         }
     }
-    for (triangle, &shell) in triangles.iter().zip(shell_of) {
+    let middle = |shell: &Shell| [0, 1, 2].map(|i| f64::from(shell.min[i] + shell.max[i]) / 2.0);
+    let middles: Vec<[f64; 3]> = shells.iter().map(middle).collect();
+    let corner = |v: u32| {
+        let [x, y, z] = vertices[v as usize];
+        [f64::from(x), f64::from(y), f64::from(z)]
+    };
+    for (&[a, b, c], &shell) in triangles.iter().zip(shell_of) {
+        let (volume, area) = facet_measures([corner(a), corner(b), corner(c)], middles[shell as usize]);
         let shell = &mut shells[shell as usize];
-        let middle: [f64; 3] = std::array::from_fn(|i| f64::from(shell.min[i] + shell.max[i]) / 2.0);
-        let corners = triangle.map(|v| vertices[v as usize].map(f64::from));
-        let (volume, area) = facet_measures(corners, middle);
         shell.volume_mm3 += volume;
         shell.area_mm2 += area;
         shell.facets += 1;

@@ -60,7 +60,7 @@ pub(super) fn chordal_axis(outline: &Outline) -> Vec<Node> {
     };
     let inside = inner_faces(&mesh, outline);
 
-    let mut nodes = Vec::new();
+    let mut nodes = Vec::with_capacity(mesh.num_inner_faces());
     let mut node_of = vec![NONE; mesh.num_undirected_edges()];
     let mut middle = |nodes: &mut Vec<Node>, edge: usize, a: u32, b: u32| {
         if node_of[edge] == NONE {
