@@ -18,6 +18,8 @@ pub struct Cutter<'a> {
     /// `crossing[start[i]..start[i + 1]]` are the triangles that cut `i` crosses, ascending.
     start: Vec<u32>,
     crossing: Vec<u32>,
+    /// Whether the mesh has no open edges.
+    is_closed: bool,
     resolution_mm: f64,
     closing_mm: f64,
     /// Of bodies that are cut out.
@@ -62,7 +64,8 @@ impl<'a> Cutter<'a> {
         let (resolution_mm, closing_mm) = (settings.resolution.0, settings.closing_radius.0);
         let cut_out = mesh.modifiers().iter().filter(|modifier| modifier.effect == Effect::Cut);
         let cut_out = cut_out.map(|modifier| Self::new(&modifier.mesh, spans, settings)).collect();
-        Self { mesh, cuts_mm, start, crossing, resolution_mm, closing_mm, cut_out }
+        let is_closed = mesh.is_closed();
+        Self { mesh, cuts_mm, start, crossing, is_closed, resolution_mm, closing_mm, cut_out }
     }
 
     /// The section at a layer's cut, without bodies that are cut out, and what had to be repaired. Cost grows with the triangles that the layer crosses.
@@ -97,7 +100,8 @@ impl<'a> Cutter<'a> {
         };
         let mut seen = Bits::new(first, last);
         let mut chains = Vec::new();
-        for &triangle in crossing {
+        let ends = if self.is_closed { &[] } else { crossing };
+        for &triangle in ends {
             let (down, _) = self.entry_and_exit(triangle, layer);
             if self.mesh.twins()[down as usize] == NO_TWIN {
                 let mut chain = vec![self.point(down, layer)];

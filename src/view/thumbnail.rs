@@ -257,15 +257,19 @@ impl Canvas {
     fn average(&self, x: usize, y: usize) -> PremultipliedColorU8 {
         let (mut sum, mut covered) = ([0_usize; 3], 0_usize);
         for dy in 0..SAMPLES {
-            for dx in 0..SAMPLES {
-                let index = (y * SAMPLES + dy) * self.width + x * SAMPLES + dx;
-                if self.near[index] > f32::NEG_INFINITY {
+            let first = (y * SAMPLES + dy) * self.width + x * SAMPLES;
+            let samples = first..first + SAMPLES;
+            for (&near, color) in self.near[samples.clone()].iter().zip(&self.color[samples]) {
+                if near > f32::NEG_INFINITY {
                     covered += 1;
-                    for (sum, channel) in sum.iter_mut().zip(self.color[index]) {
-                        *sum += usize::from(channel);
+                    for i in 0..3 {
+                        sum[i] += usize::from(color[i]);
                     }
                 }
             }
+        }
+        if covered == 0 {
+            return PremultipliedColorU8::TRANSPARENT;
         }
         let all = SAMPLES * SAMPLES;
         let [r, g, b] = sum.map(|sum| (sum / all) as u8);

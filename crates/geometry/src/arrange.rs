@@ -8,6 +8,7 @@ use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 use super::region::push_ring;
+use super::sort::sort;
 use super::{Bounds, Boxes, Point, Ring};
 
 /// What counts as inside, by the winding numbers of the first and of the second rings.
@@ -204,7 +205,7 @@ impl Arrangement {
         };
         order.clear();
         order.extend(self.chains.iter().enumerate().map(swept));
-        order.sort_unstable_by_key(|&(begin, chain, ..)| (begin, chain));
+        sort(order, |&(begin, chain, ..)| (begin, chain));
         for (i, &(_, a, end, [low, high])) in order.iter().enumerate() {
             for &(_, b, _, [from, to]) in order[i + 1..].iter().take_while(|b| b.0 <= end) {
                 if from > high || to < low {

@@ -4,6 +4,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
+use super::sort::sort;
 use super::{Bounds, Point, Polygon, Region, UNITS_PER_MM, real, to_segment_mm};
 
 /// How far beyond a segment its cells reach, in grid units: more than any rounding of its ends.
@@ -119,8 +120,7 @@ impl EdgeGrid {
     pub fn near_segment(&self, a: Point, b: Point, found: &mut Vec<u32>) {
         found.clear();
         self.spans_along(a, b).for_each(|span| found.extend_from_slice(self.items_in(span)));
-        found.sort_unstable();
-        found.dedup();
+        distinct(found);
     }
 
     /// Edges that share a cell with the segment, as [`Self::near_segment`] finds them, but in no order, and some several times.
@@ -133,8 +133,7 @@ impl EdgeGrid {
     pub fn near_box(&self, bounds: Bounds, found: &mut Vec<u32>) {
         found.clear();
         self.rows_around(bounds).for_each(|items| found.extend_from_slice(items));
-        found.sort_unstable();
-        found.dedup();
+        distinct(found);
     }
 
     /// The edges whose boxes touch a box, in no order; an edge may come several times.
@@ -278,6 +277,12 @@ impl EdgeGrid {
             (from <= to).then(|| index(from)..index(to) + 1)
         })
     }
+}
+
+/// Sorts few numbers and leaves each once.
+fn distinct(found: &mut Vec<u32>) {
+    sort(found, |&number| number);
+    found.dedup();
 }
 
 #[cfg(test)]

@@ -31,6 +31,7 @@ mod region;
 mod route;
 mod sample;
 mod simplify;
+mod sort;
 mod triangles;
 
 pub use boolean::{difference, intersection, split, union, union_all, unite_rings};
