@@ -56,7 +56,6 @@ pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
 }
 
 /// Does something at some time, while others go on where there are several threads.
-#[cfg_attr(not(feature = "cli"), expect(dead_code, reason = "who has no files has nothing to do aside"))]
 pub(crate) fn aside(work: impl FnOnce() + Send + 'static) {
     if threads() > 1 { rayon::spawn(work) } else { work() }
 }

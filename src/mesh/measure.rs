@@ -29,11 +29,9 @@ pub(super) fn length_mm(vertices: &[[f32; 3]], triangles: &[[u32; 3]], half: u32
 
 /// Extends a box to a point.
 #[inline]
-pub(super) fn extend(min: &mut [f32; 3], max: &mut [f32; 3], point: [f32; 3]) {
-    for i in 0..3 {
-        min[i] = lesser(point[i], min[i]);
-        max[i] = greater(point[i], max[i]);
-    }
+pub(super) fn extend(min: &mut [f32; 3], max: &mut [f32; 3], [x, y, z]: [f32; 3]) {
+    *min = [lesser(x, min[0]), lesser(y, min[1]), lesser(z, min[2])];
+    *max = [greater(x, max[0]), greater(y, max[1]), greater(z, max[2])];
 }
 
 /// Keeps the elements that are marked.

@@ -139,11 +139,9 @@ impl Mesh {
             return [[0.0; 3]; 2];
         };
         let [mut min, mut max] = [first; 2];
-        for vertex in &self.vertices {
-            for i in 0..3 {
-                min[i] = lesser(min[i], vertex[i]);
-                max[i] = greater(max[i], vertex[i]);
-            }
+        for &[x, y, z] in &self.vertices {
+            min = [lesser(min[0], x), lesser(min[1], y), lesser(min[2], z)];
+            max = [greater(max[0], x), greater(max[1], y), greater(max[2], z)];
         }
         [min, max]
     }

@@ -201,6 +201,8 @@ pub(super) fn slice(
         name => Some(run.text(name).map_err(|e| script_error(vec![format!("gcode.file_name: {e}")]))?),
     };
     let summary = statistics.summary(bounds, &facts, &totals, settings, warnings);
+    // There is much to give back.
+    parallel::aside(move || drop(staged));
     Ok(Summary { repairs, overhangs, file_name, ..summary })
 }
 
