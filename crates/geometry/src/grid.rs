@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::sort::sort;
-use super::{Bounds, Point, Polygon, Region, UNITS_PER_MM, real, to_segment_mm};
+use super::{Bounds, Point, Polygon, Region, UNITS_PER_MM, on_segment_mm, real};
 
 /// How far beyond a segment its cells reach, in grid units: more than any rounding of its ends.
 const SLACK: i64 = 2;
@@ -166,9 +166,15 @@ impl EdgeGrid {
     /// Distance from a point to the nearest edge, in millimetres; more than `reach_mm` where that is more.
     pub fn distance_mm(&self, p: Point, reach_mm: f64) -> f64 {
         let area = Bounds::spanned(p, p).grown((reach_mm * UNITS_PER_MM).ceil() as i32);
-        let near = self.rows_around(area).flatten().map(|&i| &self.edges[i as usize]);
-        near.map(|edge| to_segment_mm(p.mm(), edge.a.mm(), edge.b.mm()))
-            .fold(f64::INFINITY, |least, mm| real::lesser(mm, least))
+        let p = p.mm();
+        let mut least_mm2 = f64::INFINITY;
+        for &i in self.rows_around(area).flatten() {
+            let edge = &self.edges[i as usize];
+            let [x, y] = on_segment_mm(p, edge.a.mm(), edge.b.mm());
+            let (dx, dy) = (p[0] - x, p[1] - y);
+            least_mm2 = real::lesser(dx * dx + dy * dy, least_mm2);
+        }
+        least_mm2.sqrt()
     }
 
     /// Whether the point is inside or on the boundary (even-odd over all rings). Looks at the cells between it and the nearest in
