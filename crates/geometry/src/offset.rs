@@ -183,7 +183,7 @@ impl Offset {
         result.polygons.append(&mut region.polygons);
     }
 
-    /// Makes a curve of the ring.
+    /// Moves the ring that was taken up, to the curve of this number.
     fn add_curve(&mut self, number: usize) {
         if number == self.curves.len() {
             self.curves.push(Ring::new());
