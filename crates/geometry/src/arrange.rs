@@ -77,6 +77,7 @@ pub(super) struct Arrangement {
     leftmost: Vec<usize>,
     /// Chains in the order of the sweep, while it lasts.
     order: Vec<Swept>,
+    crossings: Vec<(usize, usize)>,
 }
 
 /// A chain that is swept: where it begins along the axis, its number, where it ends, and where it begins and ends across.
@@ -168,12 +169,11 @@ impl Arrangement {
         *tree = (boxes.len() > MANY).then(|| Boxes::new(boxes.iter().copied()));
     }
 
-    /// Pairs of edges that cross, each by its first vertex in [`Self::points`]; `None` where edges touch otherwise than neighbours
-    /// in a ring at their common vertex. O(n + c log c) for n vertices in c chains when chains are mostly apart, and O(1) for each
-    /// pair.
-    pub(super) fn crossings(&mut self) -> Option<Vec<(usize, usize)>> {
-        let mut pairs = Vec::new();
-        let mut order = std::mem::take(&mut self.order);
+    /// Finds out where edges cross; `None` where edges touch otherwise than neighbours in a ring at their common vertex.
+    /// O(n + c log c) for n vertices in c chains when chains are mostly apart, and O(1) for each pair.
+    pub(super) fn find_crossings(&mut self) -> Option<()> {
+        let (mut order, mut pairs) = (std::mem::take(&mut self.order), std::mem::take(&mut self.crossings));
+        pairs.clear();
         let end = self.meetings(&mut order, &mut |i, j, contact| {
             if contact == Contact::Touch {
                 return ControlFlow::Break(());
@@ -181,8 +181,13 @@ impl Arrangement {
             pairs.push((i, j));
             ControlFlow::Continue(())
         });
-        self.order = order;
-        end.is_continue().then_some(pairs)
+        (self.order, self.crossings) = (order, pairs);
+        end.is_continue().then_some(())
+    }
+
+    /// Pairs of edges that cross, each by its first vertex in [`Self::points`], where [`Self::find_crossings`] found nothing else.
+    pub(super) fn crossings(&self) -> &[(usize, usize)] {
+        &self.crossings
     }
 
     /// Calls a function for every two edges that meet elsewhere than at a vertex between neighbours. The order of the sweep replaces
@@ -413,8 +418,9 @@ mod tests {
     }
 
     fn is_simple(rings: &[Ring]) -> bool {
-        let crossings = Arrangement::with(rings, [], Arrangement::crossings);
-        crossings.is_some_and(|crossings| crossings.is_empty())
+        Arrangement::with(rings, [], |arrangement| {
+            arrangement.find_crossings().is_some() && arrangement.crossings().is_empty()
+        })
     }
 
     #[test]

@@ -78,14 +78,14 @@ pub(super) fn positive(rings: &[Ring]) -> (Region, bool) {
 /// The region that a rule leaves of rings, and whether they meet nowhere.
 fn resolve<'a>(rings: impl IntoIterator<Item = &'a Ring>, rule: Rule) -> (Region, bool) {
     Arrangement::with(rings, [], |arrangement| {
-        let crossings = arrangement.crossings();
+        let cross = arrangement.find_crossings();
+        let are_apart = cross.is_some() && arrangement.crossings().is_empty();
         // Nothing is around a single one.
-        if let ([(start, end)], Some([])) = (arrangement.spans(), crossings.as_deref()) {
-            return (alone(arrangement.points()[*start..*end].to_vec(), rule), true);
+        if let (&[(start, end)], true) = (arrangement.spans(), are_apart) {
+            return (alone(arrangement.points()[start..end].to_vec(), rule), true);
         }
-        let are_apart = crossings.as_ref().is_some_and(|crossings| crossings.is_empty());
-        let crossed = crossings.and_then(|crossings| Crossed::new(arrangement, &crossings));
-        (of_rule(arrangement, crossed.as_ref(), rule), are_apart)
+        let mut crossed = cross.and_then(|()| Crossed::new(arrangement));
+        (of_rule(arrangement, crossed.as_mut(), rule), are_apart)
     })
 }
 
@@ -104,8 +104,11 @@ fn alone(mut ring: Ring, rule: Rule) -> Region {
 /// Groups of boxes that are connected by touching pairs for which `links` holds, each ascending, in the order of
 /// their first members.
 pub(super) fn clusters(boxes: &[Bounds], links: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
-    if let [_] = boxes {
-        return vec![vec![0]];
+    match boxes {
+        [_] => return vec![vec![0]],
+        [a, b] if links(0, 1) && a.touches(b) => return vec![vec![0, 1]],
+        [_, _] => return vec![vec![0], vec![1]],
+        _ => {}
     }
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by_key(|&i| (boxes[i].min.x, i));
@@ -162,10 +165,10 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
         }
         let [in_a, in_b] = [in_a, in_b].map(|part| part.iter().flat_map(|&i| polygons[i].rings()));
         Arrangement::with(in_a, in_b, |arrangement| {
-            let crossings = arrangement.crossings();
-            let crossed = crossings.and_then(|crossings| Crossed::new(arrangement, &crossings));
+            let cross = arrangement.find_crossings();
+            let mut crossed = cross.and_then(|()| Crossed::new(arrangement));
             for (result, rule) in results.iter_mut().zip(rules) {
-                result.polygons.extend(of_rule(arrangement, crossed.as_ref(), rule).polygons);
+                result.polygons.extend(of_rule(arrangement, crossed.as_mut(), rule).polygons);
             }
         });
     }
@@ -173,7 +176,7 @@ fn combine<const N: usize>(a: &Region, b: &Region, rules: [Rule; N]) -> [Region;
 }
 
 /// The region that a rule leaves of any rings, which are cut where they cross unless some touch.
-fn of_rule(arrangement: &Arrangement, crossed: Option<&Crossed<'_>>, rule: Rule) -> Region {
+fn of_rule(arrangement: &Arrangement, crossed: Option<&mut Crossed<'_>>, rule: Rule) -> Region {
     let region = crossed.and_then(|crossed| crossed.region(rule));
     region.or_else(|| nudge::region(arrangement, rule)).unwrap_or_else(|| sweep(arrangement, rule))
 }

@@ -4,6 +4,8 @@
 //! Winding numbers are found once for each ring and then followed along it, changing by one at every crossing; so the cost
 //! is that of finding the crossings. Where rings touch without crossing, the caller has to resolve them.
 
+use std::cell::RefCell;
+
 use super::arrange::{Arrangement, Rule};
 use super::point::nearest_unit;
 use super::region::{push_ring, surrounds};
@@ -52,6 +54,13 @@ impl Beside {
 /// Rings that are cut where they cross.
 pub(super) struct Crossed<'a> {
     arrangement: &'a Arrangement,
+    cuts: Cuts,
+    tracing: Tracing,
+}
+
+/// Where rings are cut.
+#[derive(Default)]
+struct Cuts {
     /// In the order of the rings, and along them.
     stops: Vec<Stop>,
     /// The stops of each ring.
@@ -64,21 +73,45 @@ pub(super) struct Crossed<'a> {
     arcs: Vec<Beside>,
 }
 
+/// What the outlines are followed with.
+#[derive(Default)]
+struct Tracing {
+    /// Of each arc.
+    sides: Vec<Side>,
+    /// For each crossing that the boundary passes, the arc by which it leaves and the crossing at that arc's end.
+    leaving: Vec<Option<(usize, usize)>>,
+    /// Whether the boundary enters a crossing.
+    is_reached: Vec<bool>,
+    done: Vec<bool>,
+    outline: Ring,
+}
+
+thread_local! {
+    /// What the last used, and the next uses again.
+    static LAST: RefCell<(Cuts, Tracing)> = RefCell::default();
+}
+
+impl Drop for Crossed<'_> {
+    fn drop(&mut self) {
+        LAST.set((std::mem::take(&mut self.cuts), std::mem::take(&mut self.tracing)));
+    }
+}
+
 impl<'a> Crossed<'a> {
-    /// Cuts the rings; `None` where some touch without crossing. O(n + c log c), as to find out whether rings cross, and
-    /// O(k log k) for k crossings.
-    pub(super) fn new(arrangement: &'a Arrangement, crossings: &[(usize, usize)]) -> Option<Self> {
-        let rings = arrangement.spans().len();
-        let mut out = Self {
-            arrangement,
-            stops: Vec::with_capacity(2 * crossings.len()),
-            owned: Vec::with_capacity(rings),
-            points: Vec::with_capacity(crossings.len()),
-            rings: Vec::with_capacity(rings),
-            arcs: vec![Beside::default(); 2 * crossings.len()],
-        };
-        out.cut(crossings);
-        for ring in 0..rings {
+    /// Cuts the rings where [`Arrangement::find_crossings`] found that they cross; `None` where some touch without crossing.
+    /// O(n + c log c), as to find that out, and O(k log k) for k crossings.
+    pub(super) fn new(arrangement: &'a Arrangement) -> Option<Self> {
+        let (cuts, tracing) = LAST.take();
+        let mut out = Self { arrangement, cuts, tracing };
+        let Cuts { stops, owned, points, rings, arcs } = &mut out.cuts;
+        stops.clear();
+        owned.clear();
+        points.clear();
+        rings.clear();
+        arcs.clear();
+        arcs.resize(2 * arrangement.crossings().len(), Beside::default());
+        out.cut(arrangement.crossings());
+        for ring in 0..arrangement.spans().len() {
             out.find_windings(ring)?;
         }
         Some(out)
@@ -94,25 +127,25 @@ impl<'a> Crossed<'a> {
             let turn = u.cross(v);
             let along = |other: Point| (c - a).cross(other) as f64 / turn as f64;
             let at = |from: i32, by: i32| nearest_unit(f64::from(from) + along(v) * f64::from(by));
-            self.points.push(Point::new(at(a.x, u.x), at(a.y, u.y)));
+            self.cuts.points.push(Point::new(at(a.x, u.x), at(a.y, u.y)));
             // Where `j` points to the left of `i`, going along `i` leads from its left to its right.
             let sign = if turn > 0 { -1 } else { 1 };
             for (edge, along, other, sign) in [(i, along(v), j, sign), (j, along(u), i, -sign)] {
                 let step = if self.arrangement.is_second(ring_of(other)) { [0, sign] } else { [sign, 0] };
-                self.stops.push(Stop { edge, along, crossing, step, next: 0 });
+                self.cuts.stops.push(Stop { edge, along, crossing, step, next: 0 });
             }
         }
         // Edges have 32-bit numbers, and the bits of positive numbers are in their order.
-        self.stops.sort_unstable_by_key(|stop| {
+        self.cuts.stops.sort_unstable_by_key(|stop| {
             (stop.edge as u128) << 96 | u128::from(stop.along.to_bits()) << 32 | stop.crossing as u128
         });
         let mut from = 0;
         for &(_, end) in spans {
-            let to = from + self.stops[from..].partition_point(|stop| stop.edge < end);
+            let to = from + self.cuts.stops[from..].partition_point(|stop| stop.edge < end);
             for stop in from..to {
-                self.stops[stop].next = if stop + 1 < to { stop + 1 } else { from };
+                self.cuts.stops[stop].next = if stop + 1 < to { stop + 1 } else { from };
             }
-            self.owned.push(from..to);
+            self.cuts.owned.push(from..to);
             from = to;
         }
     }
@@ -133,57 +166,70 @@ impl<'a> Crossed<'a> {
             right[own] -= 1;
             Beside { left, right }
         };
-        self.rings.push(beside(left));
-        let owned = self.owned[ring].clone();
+        self.cuts.rings.push(beside(left));
+        let owned = self.cuts.owned[ring].clone();
         if owned.is_empty() {
             return Some(());
         }
-        let next = self.stops[owned.clone()].partition_point(|stop| stop.edge < corner);
+        let next = self.cuts.stops[owned.clone()].partition_point(|stop| stop.edge < corner);
         let first = left;
         for k in 0..owned.len() {
             let stop = owned.start + (next + k) % owned.len();
-            let step = self.stops[stop].step;
+            let step = self.cuts.stops[stop].step;
             left = [left[0] + step[0], left[1] + step[1]];
-            self.arcs[stop] = beside(left);
+            self.cuts.arcs[stop] = beside(left);
         }
         (left == first).then_some(())
     }
 
     /// The region that a rule leaves; `None` where its outlines meet at a crossing.
-    pub(super) fn region(&self, rule: Rule) -> Option<Region> {
+    pub(super) fn region(&mut self, rule: Rule) -> Option<Region> {
+        let mut tracing = std::mem::take(&mut self.tracing);
+        let outlines = self.outlines(rule, &mut tracing);
+        self.tracing = tracing;
+        outlines.map(nest)
+    }
+
+    fn outlines(&self, rule: Rule, tracing: &mut Tracing) -> Option<Vec<Ring>> {
         let mut outlines = self.whole_rings(rule);
-        let sides: Vec<Side> = self.arcs.iter().map(|arc| arc.side(rule)).collect();
-        let leaving = self.links(&sides)?;
-        let mut done = vec![false; self.points.len()];
-        let mut outline = Ring::new();
-        for start in 0..self.points.len() {
+        tracing.sides.clear();
+        tracing.sides.extend(self.cuts.arcs.iter().map(|arc| arc.side(rule)));
+        self.link(tracing)?;
+        let Tracing { sides, leaving, done, outline, .. } = tracing;
+        let crossings = self.cuts.points.len();
+        done.clear();
+        done.resize(crossings, false);
+        for start in 0..crossings {
             outline.clear();
             let mut at = start;
             while !done[at]
                 && let Some((arc, to)) = leaving[at]
             {
                 done[at] = true;
-                outline.push(self.points[at]);
-                self.follow(arc, sides[arc], &mut outline);
+                outline.push(self.cuts.points[at]);
+                self.follow(arc, sides[arc], outline);
                 at = to;
+            }
+            if outline.len() < 3 {
+                continue;
             }
             // Rounding may have put a crossing on a vertex.
             let mut distinct = Ring::with_capacity(outline.len());
-            push_ring(&mut distinct, &outline);
+            push_ring(&mut distinct, outline);
             if distinct.len() > 2 {
                 outlines.push(distinct);
             }
         }
-        Some(nest(outlines))
+        Some(outlines)
     }
 
     /// Rings that cross nothing, those that have inside on their right turned.
     fn whole_rings(&self, rule: Rule) -> Vec<Ring> {
         let mut out = Vec::new();
         for (ring, &(start, end)) in self.arrangement.spans().iter().enumerate() {
-            if self.owned[ring].is_empty() {
+            if self.cuts.owned[ring].is_empty() {
                 let points = self.arrangement.points()[start..end].iter().copied();
-                match self.rings[ring].side(rule) {
+                match self.cuts.rings[ring].side(rule) {
                     Side::Left => out.push(points.collect()),
                     Side::Right => out.push(points.rev().collect()),
                     Side::Neither => {}
@@ -195,7 +241,7 @@ impl<'a> Crossed<'a> {
 
     /// The crossings at which the boundary enters and leaves an arc, if it is part of it.
     fn ends(&self, arc: usize, side: Side) -> Option<[usize; 2]> {
-        let [back, front] = [arc, self.stops[arc].next].map(|stop| self.stops[stop].crossing);
+        let [back, front] = [arc, self.cuts.stops[arc].next].map(|stop| self.cuts.stops[stop].crossing);
         match side {
             Side::Left => Some([back, front]),
             Side::Right => Some([front, back]),
@@ -203,11 +249,14 @@ impl<'a> Crossed<'a> {
         }
     }
 
-    /// For each crossing that the boundary passes, the arc by which it leaves and the crossing at that arc's end; `None`
-    /// where it passes one twice.
-    fn links(&self, sides: &[Side]) -> Option<Vec<Option<(usize, usize)>>> {
-        let mut leaving = vec![None; self.points.len()];
-        let mut is_reached = vec![false; self.points.len()];
+    /// Finds where the boundary leaves each crossing; `None` where it passes one twice.
+    fn link(&self, tracing: &mut Tracing) -> Option<()> {
+        let Tracing { sides, leaving, is_reached, .. } = tracing;
+        let crossings = self.cuts.points.len();
+        leaving.clear();
+        leaving.resize(crossings, None);
+        is_reached.clear();
+        is_reached.resize(crossings, false);
         for (arc, &side) in sides.iter().enumerate() {
             if let Some([from, to]) = self.ends(arc, side)
                 && (leaving[from].replace((arc, to)).is_some()
@@ -217,19 +266,19 @@ impl<'a> Crossed<'a> {
             }
         }
         let is_passed = leaving.iter().map(Option::is_some);
-        is_passed.eq(is_reached).then_some(leaving)
+        is_passed.eq(is_reached.iter().copied()).then_some(())
     }
 
     /// Appends the vertices of an arc, with inside on the left.
     fn follow(&self, arc: usize, side: Side, outline: &mut Ring) {
-        let next = self.stops[arc].next;
-        let (from, to) = (self.stops[arc].edge, self.stops[next].edge);
+        let next = self.cuts.stops[arc].next;
+        let (from, to) = (self.cuts.stops[arc].edge, self.cuts.stops[next].edge);
         let points = self.arrangement.points();
         let at = outline.len();
         if next > arc {
             outline.extend_from_slice(&points[from + 1..to + 1]);
         } else {
-            let ring = self.owned.partition_point(|owned| owned.end <= arc);
+            let ring = self.cuts.owned.partition_point(|owned| owned.end <= arc);
             let (start, end) = self.arrangement.spans()[ring];
             outline.extend_from_slice(&points[from + 1..end]);
             outline.extend_from_slice(&points[start..to + 1]);
@@ -279,8 +328,8 @@ mod tests {
 
     fn region(rings: &[Ring], rule: Rule) -> Option<Region> {
         Arrangement::with(rings, [], |arrangement| {
-            let crossings = arrangement.crossings()?;
-            Crossed::new(arrangement, &crossings)?.region(rule)
+            arrangement.find_crossings()?;
+            Crossed::new(arrangement)?.region(rule)
         })
     }
 

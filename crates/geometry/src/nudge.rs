@@ -83,8 +83,8 @@ impl Frame {
             if is_second { &mut second } else { &mut first }.push(moved);
         }
         let region = Arrangement::with(&first, &second, |finer| {
-            let crossings = finer.crossings()?;
-            Crossed::new(finer, &crossings)?.region(rule)
+            finer.find_crossings()?;
+            Crossed::new(finer)?.region(rule)
         })?;
         let rounded = |ring: &Ring| cleaned(ring.iter().map(|&p| self.coarser(p)));
         let polygons = region.polygons.iter().filter_map(|polygon| {
