@@ -186,8 +186,7 @@ fn along_axis(
         (corner[u], corner[v]) = (at(0, cell / LINES) as f32, at(1, cell % LINES) as f32);
         for end in [from, to] {
             corner[axis] = end as f32;
-            doubt.min = std::array::from_fn(|i| doubt.min[i].min(corner[i]));
-            doubt.max = std::array::from_fn(|i| doubt.max[i].max(corner[i]));
+            extend(&mut doubt.min, &mut doubt.max, corner);
         }
     }
     (doubt.volume_mm3 > 0.0).then_some(doubt)
